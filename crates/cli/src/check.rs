@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use wythe_core::deck::MOST_BYTES;
+use wythe_core::error::ErrorKind;
 use wythe_core::input;
 use wythe_core::model::Model;
 use wythe_core::results::plotting::{png, scene};
@@ -72,6 +73,7 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
         Err(Unsound::Unread(failure)) => {
             let (message, help) = failure.in_words();
             let error = json!({
+                "kind": ErrorKind::File.name(),
                 "file": file,
                 "key": "",
                 "line": null,

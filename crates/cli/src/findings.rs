@@ -107,6 +107,7 @@ pub fn drawn(warning: &Warning, lines: &[&str]) -> String {
 /// JSON object of an error.
 pub fn error_json(error: &ModelError) -> Value {
     json!({
+        "kind": error.kind().name(),
         "file": error.file(),
         "key": error.key(),
         "line": error.line(),

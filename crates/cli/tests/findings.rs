@@ -95,6 +95,8 @@ fn machines_read_one_object() {
             .all(|e| e["line"].is_u64() && e["help"].is_string())
     );
     assert!(errors.iter().any(|e| e["key"] == "materials.brick.E"));
+    let kinds: Vec<_> = errors.iter().filter_map(|e| e["kind"].as_str()).collect();
+    assert_eq!(kinds, ["value", "value", "unknown-key"]);
 
     let (code, object) = json(&[&["check", "--json", &wall], &SNAPS[..]].concat());
     assert_eq!((code, &object["layer"]), (2, &"physics".into()));
@@ -112,6 +114,27 @@ fn machines_read_one_object() {
         warning["line"].is_u64() && warning["column"].is_u64(),
         "{warning}"
     );
+}
+
+/// The kind of an error tells what is wrong, whatever the words.
+#[test]
+fn errors_have_kinds() {
+    let kinds = |deck: &str| -> Vec<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deck.toml");
+        std::fs::write(&path, deck).unwrap();
+        let (_, object) = json(&["check", "--json", path.to_str().unwrap()]);
+        let errors = object["errors"].as_array().unwrap();
+        let kinds = errors.iter().map(|e| e["kind"].as_str().unwrap());
+        kinds.map(str::to_owned).collect()
+    };
+    let wall = std::fs::read_to_string(wall()).unwrap();
+    assert_eq!(kinds("format = 1\ntitle = \"no end"), ["syntax"]);
+    assert_eq!(kinds(&wall.replace("courses", "coursse"))[0], "unknown-key");
+    let other = wall.replace("unit_material = \"brick\"", "unit_material = \"brik\"");
+    assert_eq!(kinds(&other), ["unknown-name"]);
+    let low = wall.replace("E = \"16700 MPa\"", "E = \"-1 MPa\"");
+    assert!(low == wall || kinds(&low) == ["value"]);
 }
 
 /// A warning is drawn with its line and a caret.

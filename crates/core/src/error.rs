@@ -14,8 +14,59 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct ModelError(Box<Details>);
 
+/// Kinds of errors of models. A program can tell errors apart by their kind, whatever their words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The text is no TOML.
+    Syntax,
+    /// A key that the table does not have.
+    UnknownKey,
+    /// A key, table or entry that is missing.
+    Missing,
+    /// A value of the wrong type or unit, beyond its bounds, or against another value.
+    #[default]
+    Value,
+    /// A name of a block, face, set, material, interface, probe, spring or load that is not there.
+    UnknownName,
+    /// Two entries that exclude each other.
+    Conflict,
+    /// Shapes that do not fit: gaps, overlaps, faces that do not meet, places without a node.
+    Geometry,
+    /// A body that nothing holds.
+    Unheld,
+    /// More elements, points, names or steps than can be treated.
+    TooMany,
+    /// A table of numbers in another file that cannot be read.
+    Data,
+    /// A mesh of another program that cannot be read or used.
+    Mesh,
+    /// A file that cannot be read.
+    File,
+}
+
+impl ErrorKind {
+    /// Name of the kind in JSON and Python, such as `unknown-key`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Syntax => "syntax",
+            Self::UnknownKey => "unknown-key",
+            Self::Missing => "missing",
+            Self::Value => "value",
+            Self::UnknownName => "unknown-name",
+            Self::Conflict => "conflict",
+            Self::Geometry => "geometry",
+            Self::Unheld => "unheld",
+            Self::TooMany => "too-many",
+            Self::Data => "data",
+            Self::Mesh => "mesh",
+            Self::File => "file",
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Details {
+    kind: ErrorKind,
     message: String,
     key: String,
     help: String,
@@ -78,6 +129,7 @@ impl ModelError {
         let text = text.into();
         let length = text.len();
         Self(Box::new(Details {
+            kind: ErrorKind::default(),
             message: printable(message.into()),
             key: printable(key.into()),
             help: printable(help.into()),
@@ -87,6 +139,13 @@ impl ModelError {
             others: Vec::new(),
             warnings: Vec::new(),
         }))
+    }
+
+    /// Sets the kind.
+    #[must_use]
+    pub fn of_kind(mut self, kind: ErrorKind) -> Self {
+        self.0.kind = kind;
+        self
     }
 
     /// Sets the position of this error in the order of all errors.
@@ -135,6 +194,11 @@ impl ModelError {
     pub fn with_warnings(mut self, warnings: Vec<Warning>) -> Self {
         self.0.warnings.extend(warnings);
         self
+    }
+
+    /// Kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        self.0.kind
     }
 
     /// Description of the error, without its position.

@@ -7,7 +7,7 @@ use miette::Diagnostic;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use wythe_core::error::{DeckError, IoError, ModelError};
+use wythe_core::error::{DeckError, ErrorKind, IoError, ModelError};
 use wythe_core::results::mcap::salvage::SalvageError;
 use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
@@ -24,8 +24,9 @@ where
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// One error of a model as arguments of `ModelError`: file, line, column, key, message, fix.
+/// One error of a model as arguments of `ModelError`: kind, file, line, column, key, message, fix.
 type Told = (
+    &'static str,
     Option<String>,
     Option<usize>,
     Option<usize>,
@@ -39,6 +40,7 @@ fn told(error: &ModelError, text: Text) -> Told {
     // An error in an override is located by its key alone.
     let file = (text == Text::File && !is_override(error)).then(|| error.file().to_owned());
     (
+        error.kind().name(),
         file,
         line,
         column,
@@ -95,7 +97,8 @@ pub fn of_model(py: Python<'_>, error: &ModelError, text: Text) -> PyErr {
 
 /// `ModelError` without a position in a deck.
 fn nowhere(py: Python<'_>, message: String, fix: String) -> PyErr {
-    let told: Told = (None, None, None, String::new(), message, fix);
+    let kind = ErrorKind::default().name();
+    let told: Told = (kind, None, None, None, String::new(), message, fix);
     raise(py, "_model_error", (vec![told],))
 }
 

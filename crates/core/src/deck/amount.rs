@@ -5,7 +5,7 @@
 use super::masonry::Refusal;
 use super::quantity::Quantity;
 use super::schema::{Bond, Deck, DeckArch, DeckBlock, Wall};
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 
 /// Largest number of elements of a scene: 2e6 unknowns, which need more than 30 GB. `wythe check` takes some 5 s
 /// and 1 GB for it.
@@ -179,7 +179,9 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
     for (name, count, most) in lists {
         if count > most {
             let message = format!("{count} entries are too many");
-            return Err(deck.error(name, message, &format!("at most {most}")));
+            return Err(deck
+                .error(name, message, &format!("at most {most}"))
+                .of_kind(ErrorKind::TooMany));
         }
     }
     let changed = 1 + deck.springs.len() + deck.beams.len() + loads.min(MOST_ENTRIES) + faces;
@@ -189,7 +191,7 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
             "steps",
             format!("{count} steps are too many for {changed} faces, springs, beams and loads"),
             &format!("at most {MOST_CHANGES} of both, multiplied: `amplitude` and `cycles` go to and fro in one step"),
-        ));
+        ).of_kind(ErrorKind::TooMany));
     }
     Ok(())
 }

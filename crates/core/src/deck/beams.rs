@@ -16,7 +16,7 @@ use super::schema::{
     StepKind, Turning,
 };
 use crate::element::hexahedron::range;
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::scene::Increments;
 use std::borrow::Cow;
 
@@ -124,16 +124,18 @@ fn outline(
     let (vector, _) = bodies.area(&places);
     let level = z[1] - z[0] <= LEVEL && vector[2] > 0.0;
     if !level {
-        return Err(deck.error(
-            &path,
-            format!(
-                "{} is no level face that looks upwards: its heights go from {:.2} to {:.2} mm",
-                beam.on.0.join(", "),
-                z[0],
-                z[1]
-            ),
-            "name tops of one height, such as on = \"wall.top\"",
-        ));
+        return Err(deck
+            .error(
+                &path,
+                format!(
+                    "{} is no level face that looks upwards: its heights go from {:.2} to {:.2} mm",
+                    beam.on.0.join(", "),
+                    z[0],
+                    z[1]
+                ),
+                "name tops of one height, such as on = \"wall.top\"",
+            )
+            .of_kind(ErrorKind::Geometry));
     }
     let sizes = [x[1] - x[0], y[1] - y[0], beam.depth.get()];
     Ok(([x[0], y[0], z[1]], sizes))

@@ -11,7 +11,7 @@ use super::quantity::Quantity;
 use super::rigid;
 use super::schema::{Deck, DeckBlock, Material, Names};
 use crate::element::hexahedron::{Corners, area_vector, norm};
-use crate::error::{Errors, ModelError, Warning};
+use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::Mesh;
 use crate::model::builder::grid;
@@ -120,11 +120,13 @@ impl<'a> Bodies<'a> {
         } else {
             "probes"
         };
-        Err(deck.error(
-            path,
-            format!("{searched} probes and loads are too many for {nodes} nodes"),
-            "at most 1e9 of both, multiplied",
-        ))
+        Err(deck
+            .error(
+                path,
+                format!("{searched} probes and loads are too many for {nodes} nodes"),
+                "at most 1e9 of both, multiplied",
+            )
+            .of_kind(ErrorKind::TooMany))
     }
 
     /// Returns the wall to which body `body` belongs as a unit, if any.
@@ -184,7 +186,7 @@ impl<'a> Bodies<'a> {
                 &format!("{}.rigid", wall.path),
                 format!("rigid units with lines where their neighbours end have {elements} elements: too many"),
                 "at most 5e5: build a part of the wall",
-            ));
+            ).of_kind(ErrorKind::TooMany));
         }
         let unit = self.solid(&said.unit_material, rigid);
         let mortar = said
@@ -347,7 +349,7 @@ impl<'a> Bodies<'a> {
                 path,
                 "supports, springs, contacts, steps, loads and probes name too many nodes together",
                 "name faces rather than bodies, and one list rather than many entries",
-            ));
+            ).of_kind(ErrorKind::TooMany));
         }
         Ok(places)
     }
@@ -401,11 +403,14 @@ impl<'a> Bodies<'a> {
             (0..3).all(|d| low[d] - BESIDE <= x[d] && x[d] <= high[d] + BESIDE)
         });
         if nodes.is_empty() {
-            return Err(self.deck.error(
-                &format!("supports.{i}.box"),
-                "there is no node in this box",
-                "lower and upper corner at rest; nodes lie on the lines of the mesh",
-            ));
+            return Err(self
+                .deck
+                .error(
+                    &format!("supports.{i}.box"),
+                    "there is no node in this box",
+                    "lower and upper corner at rest; nodes lie on the lines of the mesh",
+                )
+                .of_kind(ErrorKind::Geometry));
         }
         Ok(nodes)
     }

@@ -17,7 +17,7 @@ use super::rigid;
 use super::scatter;
 use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::symmetry;
-use crate::error::{Errors, ModelError, Warning};
+use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::probes::Probe;
 use crate::model::scene::{Model, NamedMaterial, Spring, Support};
@@ -163,7 +163,7 @@ fn nothing_to_load(deck: &Deck) -> ModelError {
         "wall",
         "the table [wall] is missing: there is nothing to load",
         "add [wall] with unit, joints, length, courses, materials and interface; or [[blocks]], [[imports]] or [arch]",
-    )
+    ).of_kind(ErrorKind::Missing)
 }
 
 /// Rejects more points of contact than [`amount::MOST_POINTS`].
@@ -174,11 +174,13 @@ fn require_few_points(deck: &Deck, facets: usize) -> Result<(), ModelError> {
     if points <= amount::MOST_POINTS {
         return Ok(());
     }
-    Err(deck.error(
-        "contact.parts",
-        format!("{points} points of contact are too many"),
-        "at most 1e7: cut facets into fewer parts",
-    ))
+    Err(deck
+        .error(
+            "contact.parts",
+            format!("{points} points of contact are too many"),
+            "at most 1e7: cut facets into fewer parts",
+        )
+        .of_kind(ErrorKind::TooMany))
 }
 
 fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {
@@ -206,11 +208,13 @@ fn require_steps(deck: &Deck) -> Result<(), ModelError> {
         return Ok(());
     }
     let what = if deck.has_walls() { "wall" } else { "blocks" };
-    Err(deck.error(
-        "steps",
-        format!("there are no steps: nothing happens to the {what}"),
-        "add [[steps]] with kind = \"drive\", direction and displacement",
-    ))
+    Err(deck
+        .error(
+            "steps",
+            format!("there are no steps: nothing happens to the {what}"),
+            "add [[steps]] with kind = \"drive\", direction and displacement",
+        )
+        .of_kind(ErrorKind::Missing))
 }
 
 /// Rejects gravity and inertia for materials without density.
@@ -232,9 +236,11 @@ fn require_mass(deck: &Deck, bodies: &Bodies<'_>) -> Result<(), ModelError> {
         return Ok(());
     };
     let kind = deck.steps[step].kind.name();
-    Err(deck.error(
-        &format!("materials.{}.density", rigid::base(name)),
-        format!("steps.{step} is of the kind {kind}, and {name} has no mass"),
-        &crate::deck::keys::example("density"),
-    ))
+    Err(deck
+        .error(
+            &format!("materials.{}.density", rigid::base(name)),
+            format!("steps.{step} is of the kind {kind}, and {name} has no mass"),
+            &crate::deck::keys::example("density"),
+        )
+        .of_kind(ErrorKind::Missing))
 }

@@ -2,7 +2,7 @@
 //! supports hold the whole face.
 
 use super::schema::{Deck, StepKind, Vertical};
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Step, Support};
 
 /// Names of the supports that hold nodes of a face in a direction, if together they hold all of its nodes.
@@ -111,4 +111,5 @@ fn refusal(
         ),
         help,
     )
+    .of_kind(ErrorKind::Conflict)
 }

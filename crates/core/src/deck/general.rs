@@ -1,7 +1,7 @@
 //! General contact of a deck.
 
 use super::schema::Deck;
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 use crate::model::Model;
 use crate::model::general::{DryStiffness, GeneralContact};
 
@@ -14,7 +14,9 @@ pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContac
         return Ok(None);
     };
     let Some(interface) = deck.interfaces.get(name) else {
-        return Err(deck.error("contact.general", "there is no such interface", "name one"));
+        return Err(deck
+            .error("contact.general", "there is no such interface", "name one")
+            .of_kind(ErrorKind::UnknownName));
     };
     let stiffness = match (interface.normal_stiffness, interface.shear_stiffness) {
         (Some(normal), Some(shear)) => DryStiffness::Given([normal.get(), shear.get()]),

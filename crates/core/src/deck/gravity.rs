@@ -2,7 +2,7 @@
 
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckStep, StepKind};
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 use crate::model::scene::{Gravity, turned};
 
 /// State of gravity after the steps so far.
@@ -48,11 +48,13 @@ impl GravityNow {
         let path = |key: &str| format!("steps.{index}.{key}");
         let said = step.gravity.is_some() || step.angle.is_some() || step.axis.is_some();
         match step.kind {
-            StepKind::Gravity if self.magnitude > 0.0 => Err(deck.error(
-                &path("kind"),
-                "gravity acts already",
-                "let it grow in one step",
-            )),
+            StepKind::Gravity if self.magnitude > 0.0 => Err(deck
+                .error(
+                    &path("kind"),
+                    "gravity acts already",
+                    "let it grow in one step",
+                )
+                .of_kind(ErrorKind::Conflict)),
             StepKind::Gravity => {
                 self.say(step);
                 Ok(Gravity::Growing(self.vector()))
@@ -61,19 +63,23 @@ impl GravityNow {
                 self.say(step);
                 Ok(Gravity::Constant(self.vector()))
             }
-            StepKind::Tilt if self.magnitude == 0.0 => Err(deck.error(
-                &path("kind"),
-                "there is no gravity yet that a tilt could turn",
-                "put a step before it: kind = \"gravity\"",
-            )),
+            StepKind::Tilt if self.magnitude == 0.0 => Err(deck
+                .error(
+                    &path("kind"),
+                    "there is no gravity yet that a tilt could turn",
+                    "put a step before it: kind = \"gravity\"",
+                )
+                .of_kind(ErrorKind::Conflict)),
             StepKind::Tilt => {
                 let axis = step.axis.map_or(self.axis, unit);
                 if self.angle != 0.0 && axis != self.axis {
-                    return Err(deck.error(
-                        &path("axis"),
-                        "the ground is tilted about another axis already",
-                        "tilt about one axis; leave out `axis` to go on",
-                    ));
+                    return Err(deck
+                        .error(
+                            &path("axis"),
+                            "the ground is tilted about another axis already",
+                            "tilt about one axis; leave out `axis` to go on",
+                        )
+                        .of_kind(ErrorKind::Conflict));
                 }
                 let from = self.vector();
                 let angle = degrees(step);

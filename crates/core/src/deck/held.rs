@@ -4,7 +4,7 @@ use super::bodies::Bodies;
 use super::meeting::Touching;
 use super::overlap;
 use super::schema::{Deck, DeckProcedure, DeckStep, Direction, StepKind};
-use crate::error::{ModelError, Warning};
+use crate::error::{ErrorKind, ModelError, Warning};
 use crate::model::scene::{Beam, BeamMotion, Spring, Step, Support};
 
 /// Rejects a floating body: no chain of contacts joins it to the ground when a step seeks its equilibrium.
@@ -168,7 +168,7 @@ pub(super) fn require_held_each_way(
                 ),
                 "hold it by [[supports]] on a face that the step does not move, or by [[springs]]; what shall fly has \
                  procedure = \"dynamic\"",
-            ));
+            ).of_kind(ErrorKind::Unheld));
         }
     }
     Ok(())
@@ -192,25 +192,29 @@ fn falls(deck: &Deck, step: &DeckStep, path: &str, who: &str) -> Result<Warning,
         path,
         format!("{who} and lies on nothing: this step knows no equilibrium of it"),
         "let it lie on something, hold it by [[supports]], or give it inertia: procedure = \"dynamic\"",
-    ))
+    ).of_kind(ErrorKind::Unheld))
 }
 
 /// Error about a body that is not held. `touches`: a contact of the body, if it has one.
 fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> ModelError {
     let Some(touches) = touches else {
-        return deck.error(
-            path,
-            format!("{who}: it touches no other block and has no support"),
-            "add [[contacts]] to what it rests on, [[supports]], or begin with kind = \"free\"",
-        );
+        return deck
+            .error(
+                path,
+                format!("{who}: it touches no other block and has no support"),
+                "add [[contacts]] to what it rests on, [[supports]], or begin with kind = \"free\"",
+            )
+            .of_kind(ErrorKind::Unheld);
     };
     let interface = deck.interfaces.get(&touches.interface);
     if interface.is_some_and(|f| f.mu.get() == 0.0) {
-        return deck.error(
-            &format!("interfaces.{}", touches.interface),
-            format!("{who}: the joint has neither bond nor friction"),
-            "give mu above 0, or f_t and c; or support the block along the joint",
-        );
+        return deck
+            .error(
+                &format!("interfaces.{}", touches.interface),
+                format!("{who}: the joint has neither bond nor friction"),
+                "give mu above 0, or f_t and c; or support the block along the joint",
+            )
+            .of_kind(ErrorKind::Unheld);
     }
     deck.error(
         path,
@@ -221,6 +225,7 @@ fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> Mode
             "begin with kind = \"gravity\", or with a preload"
         },
     )
+    .of_kind(ErrorKind::Unheld)
 }
 
 /// Bodies whose boxes are no farther apart than this may rest on each other [mm].

@@ -6,7 +6,7 @@ use super::keys::nearest;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckImport, Material, validate};
 use crate::element::hexahedron::{area_vector, dot, norm};
-use crate::error::{Errors, ModelError, Warning};
+use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::model::mesh::Mesh;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -58,6 +58,7 @@ impl Imported {
         let units = Units::parse(&said.units).unwrap_or_default();
         let wrong = |error: import::ImportError| {
             deck.error(&format!("{path}.file"), error.to_string(), &error.help)
+                .of_kind(ErrorKind::Mesh)
         };
         let mut mesh = ImportedMesh::load(&file, &units).map_err(wrong)?;
         mesh.check().map_err(wrong)?;
@@ -332,7 +333,7 @@ impl Assignment<'_> {
                     |near| format!("did you mean `{near}`?"),
                 );
                 let message = format!("{} has no set of elements named `{set}`", said.file);
-                deck.error(&key, message, &help)
+                deck.error(&key, message, &help).of_kind(ErrorKind::Mesh)
             })?;
             let found = self.materials.iter().position(|(n, _)| n == name);
             let material = found.unwrap_or_else(|| {
@@ -342,6 +343,7 @@ impl Assignment<'_> {
             self.give(material as u16, elements).map_err(|e| {
                 let message = format!("{} is in another set with a material, too", mesh.name_of(e));
                 deck.error(&key, message, "let the sets not overlap")
+                    .of_kind(ErrorKind::Mesh)
             })?;
         }
         Ok(())
@@ -378,6 +380,7 @@ impl Assignment<'_> {
                     message,
                     "let the sets of sections not overlap",
                 )
+                .of_kind(ErrorKind::Mesh)
             })?;
         }
         Ok(())
@@ -395,7 +398,10 @@ impl Assignment<'_> {
         let known = self.mesh.names_of_elements().join(", ");
         let example = crate::deck::keys::example_at("imports.materials");
         let help = format!("{example}; the file has the sets {known}");
-        Err(self.deck.error(&self.file(), error.to_string(), &help))
+        Err(self
+            .deck
+            .error(&self.file(), error.to_string(), &help)
+            .of_kind(ErrorKind::Mesh))
     }
 
     /// Path of the file in the deck.
@@ -418,14 +424,14 @@ impl Assignment<'_> {
                     said.file
                 ),
                 "write the material in the file, or in the deck, or say `materials` for the set",
-            ));
+            ).of_kind(ErrorKind::Mesh));
         };
         let lengths = self.mesh.lengths_of(name);
         let (made, notes) = material.in_a_deck(lengths).map_err(|why| {
             let line = material.place.line;
             let message = format!("{} line {line}: material {name}: {why}", said.file);
             let help = "write the material in the deck, where it stands in place of this one";
-            deck.error(&file, message, help)
+            deck.error(&file, message, help).of_kind(ErrorKind::Mesh)
         })?;
         let warning = |note| deck.warning(&file, format!("{}: material {name}: {note}", said.file));
         self.warnings.extend(notes.into_iter().map(warning));

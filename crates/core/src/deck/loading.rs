@@ -7,7 +7,7 @@ use super::keys;
 use super::probes;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::amplitude::Amplitude;
 use crate::model::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
 
@@ -152,14 +152,18 @@ fn spring_of(
     let Some(s) = springs.iter().position(|s| s.name == name) else {
         let path = format!("steps.{i}.spring");
         let help = keys::example("springs");
-        return Err(deck.error(&path, format!("there is no spring named `{name}`"), &help));
+        return Err(deck
+            .error(&path, format!("there is no spring named `{name}`"), &help)
+            .of_kind(ErrorKind::UnknownName));
     };
     if springs[s].stiffness[axis] == 0.0 {
-        return Err(deck.error(
-            &format!("steps.{i}.direction"),
-            format!("the spring `{name}` has no stiffness in this direction"),
-            "give it one: springs.stiffness, along x, y, z",
-        ));
+        return Err(deck
+            .error(
+                &format!("steps.{i}.direction"),
+                format!("the spring `{name}` has no stiffness in this direction"),
+                "give it one: springs.stiffness, along x, y, z",
+            )
+            .of_kind(ErrorKind::Missing));
     }
     Ok(s)
 }
@@ -231,18 +235,22 @@ fn beam(
     let name = beam_name(faces);
     let places = bodies.places(&path, faces, true)?;
     if places.is_empty() {
-        return Err(deck.error(&path, "the list is empty", &keys::example("face")));
+        return Err(deck
+            .error(&path, "the list is empty", &keys::example("face"))
+            .of_kind(ErrorKind::Missing));
     }
     let nodes = bodies.nodes(&places);
     if let Some(other) = beams
         .iter()
         .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
     {
-        return Err(deck.error(
-            &path,
-            format!("{name} has nodes in common with {}", other.name),
-            "a node follows one face: drive one of them, or faces of different blocks",
-        ));
+        return Err(deck
+            .error(
+                &path,
+                format!("{name} has nodes in common with {}", other.name),
+                "a node follows one face: drive one of them, or faces of different blocks",
+            )
+            .of_kind(ErrorKind::Conflict));
     }
     let (vector, area) = bodies.area(&places);
     let length = crate::element::hexahedron::norm(vector);
@@ -266,14 +274,16 @@ fn pressure(
     beam: &Beam,
 ) -> Result<[f64; 3], ModelError> {
     if !beam.normal.iter().any(|n| n.abs() > ALONG) {
-        return Err(deck.error(
-            &format!("steps.{index}.face"),
-            format!(
-                "no axis is normal to {}: pressure would have to turn with it",
-                beam.name
-            ),
-            "press a face that looks along x, y or z",
-        ));
+        return Err(deck
+            .error(
+                &format!("steps.{index}.face"),
+                format!(
+                    "no axis is normal to {}: pressure would have to turn with it",
+                    beam.name
+                ),
+                "press a face that looks along x, y or z",
+            )
+            .of_kind(ErrorKind::Geometry));
     }
     let force = step.pressure.map_or(0.0, Quantity::get) * beam.area;
     Ok(beam.normal.map(|n| {

@@ -10,7 +10,7 @@ use super::quantity::Quantity;
 use super::schema::{Deck, Interface};
 use super::touch;
 use crate::element::hexahedron::{area_vector, difference, dot, mean, norm};
-use crate::error::{Errors, ModelError, Warning};
+use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::ElasticParameters;
 use crate::model::scene::ContactSurfaces;
 use crate::model::surfaces::JointSide;
@@ -140,11 +140,14 @@ impl<'a> Pair<'a> {
             });
             let nearest = nearest.filter(|(_, square)| square.is_finite());
             let Some(facing) = nearest.map(|(m, _)| &masters[m as usize]) else {
-                return Err(self.deck.error(
-                    &self.pairing.path,
-                    format!("{}: no master faces it", self.called(*slave)),
-                    "faces that meet look at each other: block.bottom on base.top",
-                ));
+                return Err(self
+                    .deck
+                    .error(
+                        &self.pairing.path,
+                        format!("{}: no master faces it", self.called(*slave)),
+                        "faces that meet look at each other: block.bottom on base.top",
+                    )
+                    .of_kind(ErrorKind::Geometry));
             };
             let (a, b) = (here.side, facing.side);
             let law = law_between(contact, &self.pairing.interface, self.interface, a, b);

@@ -5,7 +5,7 @@ use super::keys;
 use super::masonry::Masonry;
 use super::schema::{Deck, DeckArch, DeckBlock, Names};
 use crate::element::hexahedron::Face;
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -77,11 +77,15 @@ impl NameRegistry {
                 format!("there are two blocks named `{name}`"),
                 own_name,
             )
+            .of_kind(ErrorKind::Conflict)
         };
         for wall in walls {
             if !roll.add_wall(wall) {
                 let message = format!("there are two walls named `{}`", wall.name);
-                twice.push(deck.error(&format!("{}.name", wall.path), message, own_name));
+                twice.push(
+                    deck.error(&format!("{}.name", wall.path), message, own_name)
+                        .of_kind(ErrorKind::UnknownName),
+                );
             }
         }
         for (index, block) in deck.blocks.iter().enumerate() {
@@ -101,11 +105,14 @@ impl NameRegistry {
         if let Some(arch) = &deck.arch
             && !roll.add_arch(arch)
         {
-            twice.push(deck.error(
-                "arch",
-                "a block has the name of a stone of the arch",
-                "call it neither `voussoir` nor `springing`",
-            ));
+            twice.push(
+                deck.error(
+                    "arch",
+                    "a block has the name of a stone of the arch",
+                    "call it neither `voussoir` nor `springing`",
+                )
+                .of_kind(ErrorKind::Conflict),
+            );
         }
         Some((roll, twice))
     }
@@ -199,7 +206,9 @@ impl NameRegistry {
             return Some(if faces {
                 let some: Vec<&str> = known().take(8).collect();
                 let help = format!("say which of its sets: {}", some.join(", "));
-                Err(deck.error(path, format!("`{name}` is no face"), &help))
+                Err(deck
+                    .error(path, format!("`{name}` is no face"), &help)
+                    .of_kind(ErrorKind::UnknownName))
             } else {
                 Ok(all.collect())
             });
@@ -210,7 +219,9 @@ impl NameRegistry {
                 |near| format!("did you mean `{import}.{near}`?"),
             );
             let message = format!("`{name}`: the file of {import} has no set named `{set}`");
-            return Some(Err(deck.error(path, message, &help)));
+            return Some(Err(deck
+                .error(path, message, &help)
+                .of_kind(ErrorKind::UnknownName)));
         };
         let places = &places[usize::from(faces)];
         Some(if places.is_empty() {
@@ -219,11 +230,13 @@ impl NameRegistry {
             } else {
                 "no node of an element"
             };
-            Err(deck.error(
-                path,
-                format!("`{name}`: there is {what} in this set"),
-                "take a surface, or a set of all nodes of a face",
-            ))
+            Err(deck
+                .error(
+                    path,
+                    format!("`{name}`: there is {what} in this set"),
+                    "take a surface, or a set of all nodes of a face",
+                )
+                .of_kind(ErrorKind::UnknownName))
         } else {
             Ok(places.clone())
         })
@@ -283,37 +296,42 @@ impl NameRegistry {
         if let Some(places) = self.of_import(deck, path, name, faces) {
             return places;
         }
-        let (body, face) = match name.rsplit_once('.') {
-            None if faces => {
-                return Err(deck.error(
-                    path,
-                    format!("`{name}` is no face"),
-                    &format!("say which: {name}.top, {name}.left, ..."),
-                ));
-            }
-            None => (name, None),
-            Some((body, face)) => {
-                let known = Face::ALL.iter().find(|(known, _)| *known == face);
-                let Some((_, known)) = known else {
-                    return Err(deck.error(
+        let (body, face) =
+            match name.rsplit_once('.') {
+                None if faces => {
+                    return Err(deck
+                        .error(
+                            path,
+                            format!("`{name}` is no face"),
+                            &format!("say which: {name}.top, {name}.left, ..."),
+                        )
+                        .of_kind(ErrorKind::UnknownName));
+                }
+                None => (name, None),
+                Some((body, face)) => {
+                    let known = Face::ALL.iter().find(|(known, _)| *known == face);
+                    let Some((_, known)) = known else {
+                        return Err(deck.error(
                         path,
                         format!("`{name}`: a block has no face `{face}`"),
                         "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
-                    ));
-                };
-                (body, Some(*known as usize))
-            }
-        };
+                    ).of_kind(ErrorKind::UnknownName));
+                    };
+                    (body, Some(*known as usize))
+                }
+            };
         let place = |body: usize| Place { body, face };
         if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
             if sides[face].is_empty() {
-                return Err(deck.error(
-                    path,
-                    format!(
-                        "`{name}` is not there: a plane of symmetry cuts the wall at this side"
-                    ),
-                    "leave it out: the plane holds what is cut there, see [[symmetry]]",
-                ));
+                return Err(deck
+                    .error(
+                        path,
+                        format!(
+                            "`{name}` is not there: a plane of symmetry cuts the wall at this side"
+                        ),
+                        "leave it out: the plane holds what is cut there, see [[symmetry]]",
+                    )
+                    .of_kind(ErrorKind::UnknownName));
             }
             return Ok(sides[face].iter().copied().map(place).collect());
         }
@@ -332,6 +350,7 @@ impl NameRegistry {
             |near| format!("did you mean `{near}`?"),
         );
         deck.error(path, format!("there is no block named `{name}`"), &help)
+            .of_kind(ErrorKind::UnknownName)
     }
 }
 

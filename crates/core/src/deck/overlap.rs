@@ -9,7 +9,7 @@ use super::schema::Deck;
 use crate::element::hexahedron::{
     Corners, EDGES, Face, area_vector, cross, difference, dot, norm, range,
 };
-use crate::error::{Errors, ModelError, Warning};
+use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::model::Mesh;
 use wythe_contact::{Aabb, Bvh};
 
@@ -67,6 +67,7 @@ impl Crowded {
         );
         let help = "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
         deck.error(&path_of(deck, bodies, self.body), message, help)
+            .of_kind(ErrorKind::Geometry)
     }
 }
 
@@ -149,11 +150,14 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         );
         let path = path_of(deck, bodies, b);
         if too_deep {
-            errors.push(deck.error(
-                &path,
-                message,
-                "two bodies cannot be in one place: move one, or make it smaller",
-            ));
+            errors.push(
+                deck.error(
+                    &path,
+                    message,
+                    "two bodies cannot be in one place: move one, or make it smaller",
+                )
+                .of_kind(ErrorKind::Geometry),
+            );
         } else {
             warnings.push(deck.warning(&path, message));
         }

@@ -6,7 +6,7 @@ use super::overlap;
 use super::schema::{Deck, DeckContact, Names};
 use super::touch;
 use crate::element::hexahedron::{Face, area_vector, norm};
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use std::collections::{HashMap, HashSet};
 use wythe_contact::{Aabb, Bvh};
 
@@ -124,18 +124,20 @@ fn add_declared(
             &path,
             format!("{} slave faces and {} master faces are too many to be paired each with each", slaves.len(), masters.len()),
             "leave out slave and master: then faces that touch at rest meet; or pair them by several [[contacts]]",
-        ));
+        ).of_kind(ErrorKind::TooMany));
     }
     for slave in slaves {
         let others = masters.iter().filter(|m| m.0 != slave.0);
         let masters: Vec<Patch> = others.copied().collect();
         if masters.is_empty() {
             let name = &bodies.all[slave.0].name;
-            return Err(deck.error(
-                &path,
-                format!("`{name}` would meet itself"),
-                "slave and master are faces of different blocks",
-            ));
+            return Err(deck
+                .error(
+                    &path,
+                    format!("`{name}` would meet itself"),
+                    "slave and master are faces of different blocks",
+                )
+                .of_kind(ErrorKind::Conflict));
         }
         let (interface, path) = (contact.interface.clone(), path.clone());
         let new = Pairing {
@@ -207,28 +209,32 @@ fn add(
     };
     let reversed = |m: &&Patch| pairings.pairs.contains(&(**m, new.slave));
     if let Some(other) = new.masters.iter().find(reversed) {
-        return Err(deck.error(
-            &new.path,
-            format!(
-                "{} is slave and master of {}",
-                face(new.slave),
-                face(*other)
-            ),
-            "one side is the slave, the finer one; the other is the master",
-        ));
+        return Err(deck
+            .error(
+                &new.path,
+                format!(
+                    "{} is slave and master of {}",
+                    face(new.slave),
+                    face(*other)
+                ),
+                "one side is the slave, the finer one; the other is the master",
+            )
+            .of_kind(ErrorKind::Conflict));
     }
     let old = pairings.of_slave.get(&new.slave).map(|i| &pairings.all[*i]);
     if let Some(old) = old.filter(|old| old.interface != new.interface) {
-        return Err(deck.error(
-            &new.path,
-            format!(
-                "{} has the interface {} by {}",
-                face(new.slave),
-                old.interface,
-                old.path
-            ),
-            "a slave face has one interface; make it the master here, or cut the block in two",
-        ));
+        return Err(deck
+            .error(
+                &new.path,
+                format!(
+                    "{} has the interface {} by {}",
+                    face(new.slave),
+                    old.interface,
+                    old.path
+                ),
+                "a slave face has one interface; make it the master here, or cut the block in two",
+            )
+            .of_kind(ErrorKind::Conflict));
     }
     pairings.push(new);
     Ok(())
@@ -256,14 +262,16 @@ fn require_apart(deck: &Deck, bodies: &Bodies<'_>, pairings: &[Pairing]) -> Resu
         let face = &body.faces[pairing.slave.1];
         for (_, facet) in &face.facets {
             if !seen.insert(*facet) {
-                return Err(deck.error(
-                    &pairing.path,
-                    format!(
-                        "a facet of {}.{} is in another slave face, too",
-                        body.name, face.name
-                    ),
-                    "let sets that are slaves not overlap, or make one of them the master",
-                ));
+                return Err(deck
+                    .error(
+                        &pairing.path,
+                        format!(
+                            "a facet of {}.{} is in another slave face, too",
+                            body.name, face.name
+                        ),
+                        "let sets that are slaves not overlap, or make one of them the master",
+                    )
+                    .of_kind(ErrorKind::Conflict));
             }
         }
     }
@@ -288,16 +296,18 @@ fn add_touching(
             bodies.called(body)
         );
         let help = "two bodies cannot be in one place: see `at`, `pitch` and the unit of length";
-        deck.error(path, message, help)
+        deck.error(path, message, help).of_kind(ErrorKind::Conflict)
     })?;
     let count = found.len();
     found.retain(|(a, b)| !pairings.paired(bodies, *a, *b));
     if count == 0 {
-        return Err(deck.error(
-            path,
-            "no two faces touch at rest",
-            "name slave and master, or move the blocks together",
-        ));
+        return Err(deck
+            .error(
+                path,
+                "no two faces touch at rest",
+                "name slave and master, or move the blocks together",
+            )
+            .of_kind(ErrorKind::Geometry));
     }
     for (slave, master) in found {
         let new = Pairing {

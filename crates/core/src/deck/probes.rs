@@ -5,7 +5,7 @@ use super::keys;
 use super::quantity::{Length, Quantity};
 use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Names};
 use crate::element::hexahedron::{difference, norm};
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::Mesh;
 use crate::model::probes::Probe;
 use crate::model::probes::ProbeQuantity;
@@ -27,14 +27,18 @@ pub(super) fn control(
     let name = &control.probe;
     let Some(probe) = deck.probes.iter().position(|p| p.name == *name) else {
         let help = keys::example("probes");
-        return Err(deck.error(&path, format!("there is no probe named `{name}`"), &help));
+        return Err(deck
+            .error(&path, format!("there is no probe named `{name}`"), &help)
+            .of_kind(ErrorKind::UnknownName));
     };
     if deck.probes[probe].quantity != ProbeQuantity::Displacement {
-        return Err(deck.error(
-            &path,
-            format!("the probe `{name}` measures a velocity"),
-            "a displacement steers the load: name a probe of one",
-        ));
+        return Err(deck
+            .error(
+                &path,
+                format!("the probe `{name}` measures a velocity"),
+                "a displacement steers the load: name a probe of one",
+            )
+            .of_kind(ErrorKind::UnknownName));
     }
     Ok(Some(Control {
         probe,
@@ -124,7 +128,7 @@ pub(super) fn nearest(
                      ({size:.4} mm)"
                 ),
                 "see that the unit of length is right: bare numbers are in mm",
-            ))
+            ).of_kind(ErrorKind::Geometry))
         }
     }
 }

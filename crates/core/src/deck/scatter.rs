@@ -12,7 +12,7 @@
 //! x = exp(s z − s²/2),  s² = ln(1 + v²)
 
 use super::schema::Deck;
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 use crate::model::scene::ContactSurfaces;
 use chacha20::ChaCha20Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -133,7 +133,7 @@ fn too_many(deck: &Deck, path: &str, count: usize) -> ModelError {
         ),
         "at most 65536: give normal_stiffness and shear_stiffness, so that all facets share them, or build \
          a part of it",
-    )
+    ).of_kind(ErrorKind::TooMany)
 }
 
 #[cfg(test)]

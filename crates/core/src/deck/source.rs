@@ -1,7 +1,7 @@
 //! Positions of the keys of a deck in its text, so that errors can point at them.
 
 use super::keys;
-use crate::error::{self as errors, ModelError, Warning};
+use crate::error::{self as errors, ErrorKind, ModelError, Warning};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -321,7 +321,8 @@ impl Source {
     /// Converts an error of the TOML parser.
     pub(super) fn syntax_error(&self, error: &toml::de::Error) -> ModelError {
         let help = "the text is no TOML here: strings want quotes, each key its own line";
-        self.error_at(error.span(), "", in_a_line(error), help)
+        let error = self.error_at(error.span(), "", in_a_line(error), help);
+        error.of_kind(ErrorKind::Syntax)
     }
 
     /// Converts an error of serde, and classifies it.
@@ -345,7 +346,7 @@ impl Source {
             let help = self.advice(&path);
             return Misread {
                 trouble: Trouble::Missing,
-                error: self.error_at(span, &path, message, &help),
+                error: (self.error_at(span, &path, message, &help)).of_kind(ErrorKind::Missing),
             };
         }
         if let Some(name) = quoted(&message).filter(|_| message.starts_with("unknown")) {
@@ -363,10 +364,12 @@ impl Source {
                 ("choice", Trouble::Value)
             };
             let message = format!("`{name}` is not a known {kind}");
-            return Misread {
-                trouble,
-                error: self.error_at(span, at, message, &help),
+            let error = self.error_at(span, at, message, &help);
+            let error = match &trouble {
+                Trouble::UnknownKey { .. } => error.of_kind(ErrorKind::UnknownKey),
+                _ => error,
             };
+            return Misread { trouble, error };
         }
         Misread {
             trouble: Trouble::Value,

@@ -9,7 +9,7 @@ use super::bodies::Bodies;
 use super::overlap;
 use super::schema::{Deck, DeckLoad, Keep};
 use crate::element::hexahedron::norm;
-use crate::error::{Errors, ModelError};
+use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::axis::Axis;
 use crate::model::loads::{Load, LoadOn};
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Spring, Step, Support};
@@ -100,16 +100,14 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
                 .map(beyond)
                 .fold(f64::NEG_INFINITY, f64::max);
             if farthest > IN_PLANE {
-                errors.push(deck.error(
-                    &format!("{}.at", plane.path),
-                    format!(
-                        "{} reaches {farthest:.3} mm beyond the plane of symmetry {}",
-                        bodies.called(b),
-                        plane.called()
-                    ),
-                    "walls are cut at the plane; of blocks, arches and imported meshes model what lies on the side \
-                     that is kept, up to the plane",
-                ));
+                let (who, plane_name) = (bodies.called(b), plane.called());
+                let message = format!(
+                    "{who} reaches {farthest:.3} mm beyond the plane of symmetry {plane_name}"
+                );
+                let help = "walls are cut at the plane; of blocks, arches and imported meshes model what lies on the \
+                            side that is kept, up to the plane";
+                let error = deck.error(&format!("{}.at", plane.path), message, help);
+                errors.push(error.of_kind(ErrorKind::Geometry));
                 continue;
             }
             if bodies.mirrors_at(b, d) {
@@ -119,11 +117,14 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
             held.extend(body.nodes.clone().filter(|n| beyond(*n) > -IN_PLANE));
         }
         if held.is_empty() && !mirrors {
-            errors.push(deck.error(
-                &format!("{}.at", plane.path),
-                format!("nothing lies in the plane of symmetry {}", plane.called()),
-                "let a body end there, or a wall go through it",
-            ));
+            errors.push(
+                deck.error(
+                    &format!("{}.at", plane.path),
+                    format!("nothing lies in the plane of symmetry {}", plane.called()),
+                    "let a body end there, or a wall go through it",
+                )
+                .of_kind(ErrorKind::Geometry),
+            );
         }
         let mut fixed = [false; 3];
         fixed[d] = true;
@@ -179,11 +180,17 @@ pub(super) fn judge(
                 g[d].abs() > ROUNDING * norm(g)
             };
             if pulls(0.5) || pulls(1.0) {
-                errors.push(deck.error(&format!("steps.{i}"), across("gravity pulls"), HELP));
+                errors.push(
+                    deck.error(&format!("steps.{i}"), across("gravity pulls"), HELP)
+                        .of_kind(ErrorKind::Geometry),
+                );
             }
             if !step.ground.acceleration[d].is_empty() {
                 let path = format!("steps.{i}.ground.{axis}");
-                errors.push(deck.error(&path, across("the ground moves"), HELP));
+                errors.push(
+                    deck.error(&path, across("the ground moves"), HELP)
+                        .of_kind(ErrorKind::Geometry),
+                );
             }
             for (beam, motion) in beams.iter().zip(&mut step.motion) {
                 if !lies_in(beam) {
@@ -192,7 +199,10 @@ pub(super) fn judge(
                 match motion[d] {
                     BeamMotion::Driven(_) => {
                         let message = across(&format!("{} is driven", beam.name));
-                        errors.push(deck.error(&format!("steps.{i}.direction"), message, HELP));
+                        errors.push(
+                            deck.error(&format!("steps.{i}.direction"), message, HELP)
+                                .of_kind(ErrorKind::Geometry),
+                        );
                     }
                     // The force on the other side is opposite.
                     BeamMotion::Force(_) => motion[d] = BeamMotion::Locked,
@@ -233,7 +243,10 @@ pub(super) fn judge_held(
             for (spring, end) in actions.springs.iter().zip(&step.springs) {
                 if end[d] != 0.0 && spring.nodes.iter().any(|n| is_held(*n)) {
                     let message = plane.across(&format!("the spring {} is driven", spring.name));
-                    errors.push(deck.error(&format!("steps.{s}.direction"), message, HELP));
+                    errors.push(
+                        deck.error(&format!("steps.{s}.direction"), message, HELP)
+                            .of_kind(ErrorKind::Geometry),
+                    );
                 }
             }
             for (l, said) in deck.steps[s].loads.iter().enumerate() {
@@ -243,7 +256,10 @@ pub(super) fn judge_held(
                         "the load {} acts on nodes that are held",
                         said.name
                     ));
-                    errors.push(deck.error(&format!("steps.{s}.loads.{l}"), message, HELP));
+                    errors.push(
+                        deck.error(&format!("steps.{s}.loads.{l}"), message, HELP)
+                            .of_kind(ErrorKind::Geometry),
+                    );
                 }
             }
         }
@@ -253,7 +269,10 @@ pub(super) fn judge_held(
             if moving.any(|n| velocity(n).is_some_and(|v| v[d] != 0.0)) {
                 let path = format!("{}.velocity", overlap::table_of(deck, bodies, b));
                 let message = plane.across(&format!("{} moves", bodies.called(b)));
-                errors.push(deck.error(&path, message, HELP));
+                errors.push(
+                    deck.error(&path, message, HELP)
+                        .of_kind(ErrorKind::Geometry),
+                );
             }
         }
     }

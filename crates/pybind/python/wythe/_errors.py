@@ -31,6 +31,9 @@ class ModelError(WytheError, ValueError):
 
     Attributes
     ----------
+    kind : str
+        Kind of the error, the same whatever the words of the message: ``syntax``, ``unknown-key``, ``missing``,
+        ``value``, ``unknown-name``, ``conflict``, ``geometry``, ``unheld``, ``too-many``, ``data``, ``mesh``, ``file``.
     file : str or None
         The file, if there is one.
     line, column : int or None
@@ -55,8 +58,10 @@ class ModelError(WytheError, ValueError):
         line: int | None = None,
         column: int | None = None,
         others: Sequence[ModelError] = (),
+        kind: str = "value",
     ) -> None:
         super().__init__(message)
+        self.kind = kind
         self.message = message
         self.key = key
         self.fix = fix
@@ -83,7 +88,16 @@ class ModelError(WytheError, ValueError):
     def __reduce__(self) -> tuple[Any, ...]:
         return (
             _rebuilt,
-            (self.message, self.key, self.fix, self.file, self.line, self.column, self.others),
+            (
+                self.message,
+                self.key,
+                self.fix,
+                self.file,
+                self.line,
+                self.column,
+                self.others,
+                self.kind,
+            ),
         )
 
 
@@ -95,8 +109,11 @@ def _rebuilt(
     line: int | None,
     column: int | None,
     others: tuple[ModelError, ...],
+    kind: str,
 ) -> ModelError:
-    return ModelError(message, key=key, fix=fix, file=file, line=line, column=column, others=others)
+    return ModelError(
+        message, key=key, fix=fix, file=file, line=line, column=column, others=others, kind=kind
+    )
 
 
 class LawError(WytheError, ValueError):
@@ -183,14 +200,21 @@ class RunInterrupted(KeyboardInterrupt):
 
 # Constructors used by the Rust half.
 
-_Told = tuple["str | None", "int | None", "int | None", str, str, str]
+_Told = tuple[str, "str | None", "int | None", "int | None", str, str, str]
 
 
 def _model_error(told: list[_Told]) -> ModelError:
     def one(error: _Told, others: Sequence[ModelError] = ()) -> ModelError:
-        file, line, column, key, message, fix = error
+        kind, file, line, column, key, message, fix = error
         return ModelError(
-            message, key=key, fix=fix, file=file, line=line, column=column, others=others
+            message,
+            key=key,
+            fix=fix,
+            file=file,
+            line=line,
+            column=column,
+            others=others,
+            kind=kind,
         )
 
     return one(told[0], [one(error) for error in told[1:]])

@@ -8,7 +8,7 @@ use super::course::{CourseRow, Sizes, Slot, courses};
 use super::openings;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Bond, Deck, Wall};
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 use crate::model::axis::Axis;
 
 /// A unit and its joints: boxes in the axes of the scene.
@@ -80,6 +80,7 @@ impl Refusal {
     /// Converts it to an error of the wall at `path`.
     pub fn at(self, deck: &Deck, path: &str) -> ModelError {
         deck.error(&format!("{path}.{}", self.key), self.message, &self.help)
+            .of_kind(ErrorKind::Geometry)
     }
 }
 

@@ -2,7 +2,7 @@
 //! memory.
 
 use crate::deck::source::Source;
-use crate::error::{ModelError, is_hidden};
+use crate::error::{ErrorKind, ModelError, is_hidden};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -30,7 +30,7 @@ pub(super) fn judge_text(file: &str, text: &str) -> Result<(), ModelError> {
     let message = format!("{} bytes are too many for a deck", text.len());
     let help =
         format!("at most {MOST_BYTES}: describe many blocks by `copies`, `stack` or [[imports]]");
-    Err(ModelError::new((file, ""), None, "", message, help))
+    Err(ModelError::new((file, ""), None, "", message, help).of_kind(ErrorKind::TooMany))
 }
 
 /// Rejects the path of an override that is deeper than any key.

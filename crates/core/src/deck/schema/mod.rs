@@ -56,7 +56,7 @@ use super::quantity::Length;
 use super::source::Source;
 use super::wall_defaults;
 use crate::element::Formulation;
-use crate::error::{DeckError, Errors, IoError, MOST_ERRORS, ModelError, printable};
+use crate::error::{DeckError, ErrorKind, Errors, IoError, MOST_ERRORS, ModelError, printable};
 use crate::input;
 use crate::material::MaterialParameters;
 use crate::model::scene::{ContactPoints, Fidelity, Output};
@@ -411,7 +411,8 @@ impl Deck {
             None if names.is_empty() => format!("add a table [{table}.{name}]"),
             None => format!("the deck has {}; or add [{table}.{name}]", names.join(", ")),
         };
-        self.error(path, format!("there is no {kind} named `{name}`"), &help)
+        let error = self.error(path, format!("there is no {kind} named `{name}`"), &help);
+        error.of_kind(ErrorKind::UnknownName)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::deck::keys;
 use crate::deck::quantity::{Length, Quantity};
 use crate::deck::rigid;
 use crate::deck::schema::{DeckArch, DeckBlock, Names};
-use crate::error::ModelError;
+use crate::error::{ErrorKind, ModelError};
 
 /// Rounded rises may exceed half the span by this fraction.
 const ROUNDED: f64 = 1e-9;
@@ -379,7 +379,7 @@ impl Checks<'_> {
     /// Adds the error of an unknown name of the section `of` at `path`, unless the section could not be read.
     pub(super) fn refer(&mut self, of: &str, path: &str, error: ModelError) {
         if !self.broken.whole(of) && !self.broken.holds(path) {
-            self.errors.push(error);
+            self.errors.push(error.of_kind(ErrorKind::UnknownName));
         }
     }
 }
