@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import pickle
 from pathlib import Path
 
 import pytest
 import wythe
+from helpers import EXAMPLES
 
 
 @pytest.fixture
@@ -134,6 +136,19 @@ def test_a_folder_can_be_run_into_again(model: wythe.Model, tmp_path: Path) -> N
     second = model.with_(steps__1__displacement="0.01 mm").run(tmp_path / "out")
     assert second.history.displacement_mm[-1] < before.displacement_mm[-1]
     assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_errors_of_models_have_a_kind_that_pickles() -> None:
+    text = (EXAMPLES / "01_couplet_tension.toml").read_text()
+    for wrong, kind in [
+        (text + "\n[", "syntax"),
+        (text.replace("[[steps]]", "[[stepz]]", 1), "unknown-key"),
+        (text + "\n[[steps]]\n", "missing"),
+    ]:
+        with pytest.raises(wythe.ModelError) as raised:
+            wythe.Model.from_toml(wrong)
+        assert raised.value.kind == kind
+        assert pickle.loads(pickle.dumps(raised.value)).kind == kind
 
 
 def test_errors_without_arguments_still_speak() -> None:
