@@ -117,14 +117,10 @@ pub(super) fn supports(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Support>,
             held.extend(body.nodes.clone().filter(|n| beyond(*n) > -IN_PLANE));
         }
         if held.is_empty() && !mirrors {
-            errors.push(
-                deck.error(
-                    &format!("{}.at", plane.path),
-                    format!("nothing lies in the plane of symmetry {}", plane.called()),
-                    "let a body end there, or a wall go through it",
-                )
-                .of_kind(ErrorKind::Geometry),
-            );
+            let message = format!("nothing lies in the plane of symmetry {}", plane.called());
+            let help = "let a body end there, or a wall go through it";
+            let error = deck.error(&format!("{}.at", plane.path), message, help);
+            errors.push(error.of_kind(ErrorKind::Geometry));
         }
         let mut fixed = [false; 3];
         fixed[d] = true;

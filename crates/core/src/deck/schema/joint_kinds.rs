@@ -1,8 +1,8 @@
-//! Kinds of joint laws in a deck, and the law of each: one line per kind.
+//! Kinds of joint laws in a deck: the law of each, and the keys that only some kinds read.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use wythe_contact::InterfaceLaw;
+use wythe_contact::{Coupling, InterfaceLaw};
 
 use super::Interface;
 
@@ -34,3 +34,45 @@ impl JointKind {
         }
     }
 }
+
+/// A key of `[interfaces.NAME]` that only some kinds read.
+pub(super) struct KindKey {
+    /// Its name.
+    pub(super) name: &'static str,
+    /// Whether a table gives it.
+    pub(super) is_given: fn(&Interface) -> bool,
+    /// The kinds that read it; given to another kind it is an error.
+    pub(super) kinds: &'static [JointKind],
+}
+
+const fn key(
+    name: &'static str,
+    kinds: &'static [JointKind],
+    is_given: fn(&Interface) -> bool,
+) -> KindKey {
+    KindKey {
+        name,
+        is_given,
+        kinds,
+    }
+}
+
+const COHESIVE: &[JointKind] = &[JointKind::CohesiveFrictional];
+const CAP: &[JointKind] = &[JointKind::Cap];
+
+/// All keys that only some kinds read.
+pub(super) const KIND_KEYS: [KindKey; 13] = [
+    key("f_m", CAP, |f| f.f_m.is_some()),
+    key("G_fc", CAP, |f| f.G_fc.is_some()),
+    key("kappa_p", CAP, |f| f.kappa_p.is_some()),
+    key("C_nn", CAP, |f| f.C_nn.is_some()),
+    key("C_ss", CAP, |f| f.C_ss.is_some()),
+    key("tan_psi", CAP, |f| f.tan_psi.is_some()),
+    key("sigma_u", CAP, |f| f.sigma_u.is_some()),
+    key("delta", CAP, |f| f.delta.is_some()),
+    key("zeta", COHESIVE, |f| f.zeta.is_some()),
+    key("xi", COHESIVE, |f| f.xi.is_some()),
+    key("u_k", COHESIVE, |f| f.u_k.is_some()),
+    key("delta_k", COHESIVE, |f| f.delta_k.is_some()),
+    key("coupling", COHESIVE, |f| f.coupling != Coupling::default()),
+];

@@ -3,8 +3,9 @@
 use super::{Checks, Given as _};
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
+use crate::deck::schema::joint_kinds::KIND_KEYS;
 use crate::deck::schema::{Interface, JointKind, Scatter};
-use wythe_contact::{CapCurve, Coupling};
+use wythe_contact::CapCurve;
 
 /// Largest coefficient of variation of bond strengths: measured ones are below 1.
 const MOST_SCATTER: f64 = 2.0;
@@ -91,36 +92,16 @@ impl Checks<'_> {
 
     /// Rejects keys of another law.
     fn keys_of_joint(&mut self, path: &str, f: &Interface) {
-        let of_cap = [
-            ("f_m", f.f_m.is_some()),
-            ("G_fc", f.G_fc.is_some()),
-            ("kappa_p", f.kappa_p.is_some()),
-            ("C_nn", f.C_nn.is_some()),
-            ("C_ss", f.C_ss.is_some()),
-            ("tan_psi", f.tan_psi.is_some()),
-            ("sigma_u", f.sigma_u.is_some()),
-            ("delta", f.delta.is_some()),
-        ];
-        let of_cohesive = [
-            ("zeta", f.zeta.is_some()),
-            ("xi", f.xi.is_some()),
-            ("u_k", f.u_k.is_some()),
-            ("delta_k", f.delta_k.is_some()),
-            ("coupling", f.coupling != Coupling::default()),
-        ];
-        let (others, kind): (&[_], _) = match f.kind {
-            JointKind::CohesiveFrictional => (&of_cap, JointKind::Cap),
-            JointKind::Cap => (&of_cohesive, JointKind::CohesiveFrictional),
-        };
-        for (name, given) in others {
+        for key in &KIND_KEYS {
             self.require(
-                !given,
-                &format!("{path}.{name}"),
+                key.kinds.contains(&f.kind) || !(key.is_given)(f),
+                &format!("{path}.{}", key.name),
                 || {
-                    let (own, its) = (f.kind.name(), kind.name());
+                    let its: Vec<_> = key.kinds.iter().map(|kind| kind.name()).collect();
+                    let (name, own, its) = (key.name, f.kind.name(), its.join("\" or \""));
                     format!("`{name}` is a key of kind = \"{its}\", and this joint is \"{own}\"")
                 },
-                "leave it out, or give the joint the other kind",
+                "leave it out, or give the joint a kind that reads it",
             );
         }
     }

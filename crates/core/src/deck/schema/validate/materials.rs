@@ -22,8 +22,9 @@ impl Checks<'_> {
         );
         self.not_negative(&key("density"), m.density);
         self.keys_of_its_law(path, m);
-        if m.kind == SolidKind::DruckerPrager {
-            self.drucker_prager(path, m);
+        match m.kind {
+            SolidKind::DamagePlasticity => {}
+            SolidKind::DruckerPrager => self.drucker_prager(path, m),
         }
         self.surface(path, m);
         self.within(&key("tension_recovery"), m.tension_recovery, 0.0..=1.0);
