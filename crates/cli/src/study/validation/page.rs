@@ -17,13 +17,13 @@ impl Validated {
         expect.iter().filter(|e| e.holds_of(self.short))
     }
 
-    /// How many of them are claims.
+    /// Number of expectations of a run that state a requirement.
     fn claims(&self, outcome: &Outcome) -> usize {
         let claims = self.of_form(outcome);
         claims.filter(|e| e.wanted != Wanted::Reported).count()
     }
 
-    /// Expectations of a run with what was measured of them.
+    /// Expectations of a run with their measured values.
     fn expected<'a>(
         &'a self,
         outcome: &'a Outcome,
@@ -31,14 +31,14 @@ impl Validated {
         self.of_form(outcome).zip(&outcome.measured)
     }
 
-    /// What was measured of an expectation of a run, by their names.
+    /// Measured value of an expectation, by the names of the run and the expectation.
     pub(super) fn measured(&self, run: &str, expect: &str) -> Option<&Measured> {
         let mut all = self.expected(self.outcome(run)?);
         all.find(|(e, _)| e.name == expect).map(|(_, m)| m)
     }
 }
 
-/// The page of a case; its pictures, tables and decks stand beside it.
+/// The page of a case; its pictures, tables and decks lie beside it.
 pub fn page(validated: &Validated) -> String {
     let case = &validated.case;
     let mut page = format!("# {}\n\n{}\n\n", case.name(), case.what.trim());
@@ -83,7 +83,7 @@ pub fn page(validated: &Validated) -> String {
     page
 }
 
-/// What was measured, run by run.
+/// Appends the measured values of all runs.
 fn measures(page: &mut String, validated: &Validated) {
     page.push_str("| Run | | Measured | Known | Difference | |\n|---|---|---|---|---|---|\n");
     for outcome in &validated.outcomes {
@@ -103,7 +103,7 @@ fn measures(page: &mut String, validated: &Validated) {
                 (_, false) => "**does not hold**",
             };
             let value = match (&expect.measure, expect.wanted) {
-                // A distance, part of the largest ordinate.
+                // Difference from a curve, relative to the largest ordinate.
                 (Measure::Curve { .. }, Wanted::Reported) => {
                     format!("{} off", percent(measured.value).trim_start_matches('+'))
                 }
@@ -151,8 +151,8 @@ fn cost(page: &mut String, validated: &Validated) {
     }
 }
 
-/// The page that lists the cases, whose pages stand in `folder`. Rows of others are taken over from the page
-/// `before`.
+/// The page that lists the cases, whose pages lie in `folder`. Rows of cases that were not run are copied from the
+/// page `before`.
 pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     let mut page = String::from(
         "# Validation\n\n\
@@ -171,7 +171,7 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
         let case = &validated.case;
         let (mut claims, mut held, mut worst) = (0, 0, None::<f64>);
         for outcome in &validated.outcomes {
-            // Of a run that broke nothing was measured, and nothing holds.
+            // A run that failed has no measured values: none of its requirements holds.
             claims += validated.claims(outcome);
             for (expect, measured) in validated.expected(outcome) {
                 if expect.wanted == Wanted::Reported {
@@ -206,7 +206,7 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     page
 }
 
-/// Runs that do not end as they must, or of which not all that is claimed holds, for a row of the index.
+/// Note for a row of the index on runs that end otherwise than required or have an expectation that does not hold.
 fn failed(validated: &Validated) -> String {
     let failed = validated.outcomes.iter().filter(|o| !o.holds());
     let names: Vec<&str> = failed.map(|o| o.name.as_str()).collect();
@@ -217,12 +217,12 @@ fn failed(validated: &Validated) -> String {
     }
 }
 
-/// The number of the case that a row of the index tells of.
+/// Number of the case in a row of the index.
 fn numbered(row: &str) -> Option<u32> {
     row.strip_prefix("| [")?.split(' ').next()?.parse().ok()
 }
 
-/// The columns of a run that a chart or an expectation of its case reads, as CSV.
+/// Columns of a run that a chart or an expectation of its case reads, as CSV.
 pub fn table(case: &Case, outcome: &Outcome) -> String {
     let mut columns = vec!["time".to_owned()];
     let mut take = |name: &str| {
@@ -257,7 +257,7 @@ pub fn table(case: &Case, outcome: &Outcome) -> String {
     text
 }
 
-/// How a run ended, where that is not as it should be.
+/// End of a run in words if it differs from the required one.
 fn ended(outcome: &Outcome) -> String {
     match &outcome.verdict {
         Verdict::Completed(_) => "ended as it must".to_owned(),
@@ -296,7 +296,7 @@ fn wanted(wanted: Wanted) -> String {
     }
 }
 
-/// Five significant digits.
+/// A number with five significant digits.
 fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
