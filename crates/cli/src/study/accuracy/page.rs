@@ -1,4 +1,4 @@
-//! The page of the study, as Markdown, and the tables beside it.
+//! Page of the study as Markdown, and the tables beside it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,15 +11,16 @@ use super::own_error::own_error;
 use super::scene::{Group, Origin};
 use crate::study::expect::percent;
 
-/// Names of what stands beside a `scene.toml`.
+/// File name of the chart beside a `scene.toml`.
 pub const CHART: &str = "chart.svg";
-/// As [`CHART`].
+/// File name of the table beside a `scene.toml`.
 pub const TABLE: &str = "table.csv";
 
-/// The error of the default's peak that is promised [-].
+/// Promised error of the default's peak [-].
 const PROMISED: f64 = 0.01;
 
-/// The page; charts and tables stand in `folder` beside it. Sections of other scenes are taken over from the page `before`.
+/// The page. Charts and tables lie in `folder` beside it. Sections of scenes that were not run are copied from the
+/// page `before`.
 pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String {
     let mut page = String::from("# Accuracy against speed\n\n");
     if !advice.trim().is_empty() {
@@ -128,7 +129,7 @@ fn told(errors: &Result<Errors, String>) -> String {
     }
 }
 
-/// Rows of the peers, and what differs in their models.
+/// Rows of the peers, and the differences of their models.
 fn peers(studied: &Studied) -> String {
     let (mut rows, mut differ) = (String::new(), String::new());
     for (peer, errors) in studied.peers() {
@@ -149,7 +150,7 @@ fn peers(studied: &Studied) -> String {
     rows + &differ
 }
 
-/// What each choice sets.
+/// Table of the keys that each choice sets.
 fn settings(studied: &Studied) -> String {
     let mut text = String::from("| Choice | sets |\n|---|---|\n");
     for outcome in &studied.outcomes {
@@ -175,7 +176,7 @@ fn settings(studied: &Studied) -> String {
     text
 }
 
-/// Whether the default is what it should be.
+/// Statement on whether the default fulfils its requirements.
 fn verdict(studied: &Studied) -> String {
     let points = studied.points();
     let floor = studied.scene.reference.uncertainty;
@@ -257,7 +258,7 @@ fn unsigned(part: f64) -> String {
     percent(part).trim_start_matches('+').to_owned()
 }
 
-/// Three significant digits.
+/// A number with three significant digits.
 fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
@@ -266,7 +267,7 @@ fn number(value: f64) -> String {
     format!("{value:.*}", places.max(0) as usize)
 }
 
-/// All of a scene's outcomes as CSV.
+/// All results of a scene as CSV.
 pub fn table(studied: &Studied) -> String {
     let mut text = format!("# {}\n", studied.sitting);
     text.push_str(
@@ -299,7 +300,7 @@ pub fn table(studied: &Studied) -> String {
     text + &peer_rows(studied)
 }
 
-/// A table as it was measured, with the rows of peers as they are now.
+/// A measured table with its rows of peers replaced by the present ones.
 pub fn with_peers(measured: &str, studied: &Studied) -> String {
     let is_peer = |line: &&str| line.split(',').nth(1) == Some("peer");
     let kept = measured.lines().filter(|line| !is_peer(line));
@@ -326,20 +327,20 @@ fn peer_rows(studied: &Studied) -> String {
     text
 }
 
-/// Of peak, energy and RMS; NaN where there are none.
+/// Errors of peak, energy and RMS; NaN if there are none.
 fn numbers(errors: &Result<Errors, String>) -> [f64; 3] {
     let errors = errors.as_ref().ok();
     errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms])
 }
 
-/// Why there are none, as a field of CSV.
+/// Reason for missing errors, as a field of CSV.
 fn why(errors: &Result<Errors, String>) -> String {
-    // A quote within quotes is two.
+    // CSV doubles a quotation mark within quotation marks.
     let why = errors.as_ref().err();
     why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")))
 }
 
-/// The name of a folder as links have it: without blanks.
+/// Name of a folder for links, without blanks.
 pub fn link(folder: &Path) -> String {
     let name = folder.file_name().unwrap_or(folder.as_os_str());
     name.to_string_lossy().replace(' ', "%20")
