@@ -50,7 +50,8 @@ impl PythonRandom {
 mod tests {
     use super::*;
 
-    /// Python 3.11: `r = random.Random(seed); r.random(), r.uniform(-2, 5), r.choice(range(10)), r.choice(range(8)), r.random()`.
+    /// Values of Python 3.11: `r = random.Random(seed); r.random(), r.uniform(-2, 5), r.choice(range(10)),
+    /// r.choice(range(8)), r.random()`.
     #[test]
     fn numbers_are_those_of_python() {
         for (seed, random, uniform, choices, last) in STORED {
