@@ -46,8 +46,8 @@ pub fn page(validated: &Validated) -> String {
         let name = &outcome.name;
         let _ = writeln!(page, "![The scene of {name}]({name}_scene.svg)\n");
     }
-    let _ = write!(page, "## What is known\n\n{}\n\n", case.data.trim());
-    let _ = write!(page, "## What comes out\n\n");
+    let _ = write!(page, "## Reference data\n\n{}\n\n", case.data.trim());
+    let _ = write!(page, "## Results\n\n");
     for chart in &case.charts {
         let what = match &chart.content {
             Content::Curves(_) => "curves",
@@ -56,7 +56,7 @@ pub fn page(validated: &Validated) -> String {
         let (title, name) = (&chart.title, &chart.name);
         let _ = writeln!(
             page,
-            "![{title}: {what} of the runs over what is known]({name}.svg)\n"
+            "![{title}: {what} of the runs and reference data]({name}.svg)\n"
         );
     }
     measures(&mut page, validated);
@@ -70,14 +70,14 @@ pub fn page(validated: &Validated) -> String {
     }
     let _ = write!(
         page,
-        "\n## What agrees\n\n{}\n\n## What does not\n\n{}\n\n",
+        "\n## Agreement\n\n{}\n\n## Differences\n\n{}\n\n",
         case.agrees.trim(),
         case.differs.trim()
     );
     let _ = writeln!(
         page,
-        "Redo it with `wythe study validation --only {}`. Decks and curves stand beside this page, by the names of the \
-         runs.",
+        "`wythe study validation --only {}` repeats this case. Decks and curves lie beside this page under the names of \
+         the runs.",
         case.number
     );
     page
@@ -156,11 +156,11 @@ fn cost(page: &mut String, validated: &Validated) {
 pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     let mut page = String::from(
         "# Validation\n\n\
-         What wythe says beside what is known: experiments, exact solutions, other models. Nothing is fitted to them; \
-         where a value had to be chosen, its page says so. Each page has the scene, the data with their source and how \
-         far they can be trusted, curves, cracks, what agrees and what does not; decks and curves stand beside it.\n\n\
-         Redo all with `wythe study validation`, one with `--only`; the tests run the short forms \
-         (`tests/validation/cases.rs`). CPU: one thread, other work beside it.\n\n\
+         Results of wythe beside experiments, exact solutions and other models. Nothing is fitted to them; where a value had \
+         to be chosen, its page says so. Each page has the scene, the data with their source and reliability, curves, \
+         cracks, agreement and differences; decks and curves lie beside it.\n\n\
+         `wythe study validation` repeats all cases, with `--only` one of them; the tests run the short forms \
+         (`tests/validation/cases.rs`). CPU times are those of one thread on a machine with other load.\n\n\
          | Case | runs | claims that hold | largest difference | CPU s |\n|---|---|---|---|---|\n",
     );
     let kept = before
