@@ -27,19 +27,23 @@ pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String
         let _ = writeln!(page, "{}\n", advice.trim());
     }
     page.push_str(
-        "Each chart has one scene run over the choices that a user has: error against a reference of the same scene, over the CPU time \
-         of the solver as a ratio to that of the default in the same sitting. The error is the larger one of peak and energy (area under the curve, to its \
-         end); the tables have both, and the root mean square of the difference over the reference's peak. Choices on the front are beaten by no other \
-         in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end.\n\n\
-         *Cracks* is the overlap of the crack pattern with that of the reference at the end, seen in elevation: cells of 10 mm with an element torn by half or a crack of \
-         0.05 mm, or with a joint that has lost half of its bond, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
-         fine ones, and lose overlap by that alone.\n\n",
+        "Each chart shows one scene with each of the choices that a user has: the error against a reference of the\n\
+         same scene, over the CPU time of the solver relative to that of the default, measured together. The error is\n\
+         the larger one of those of peak and energy (area under the curve, to its end). The tables have both, and the\n\
+         root mean square of the difference over the reference's peak. A choice is on the front if no other choice is\n\
+         as fast and more accurate, or as accurate and faster; errors below the uncertainty of the reference count as\n\
+         equal. A choice without an error did not reach the end.\n\n\
+         *Cracks* is the overlap of the crack pattern with that of the reference at the end, in elevation. A cell of\n\
+         10 mm is cracked if it has an element with a damage of one half or a crack of 0.05 mm, or a joint that has\n\
+         lost half of its bond. The overlap is the number of cells that are cracked in both patterns over the number\n\
+         of those cracked in either, where neighbouring cells count as the same. An element cracks as a whole: coarse\n\
+         elements cover more cells than fine ones, which alone reduces the overlap.\n\n",
     );
     if let Some(studied) = all.first() {
         let command = studied.scene.command();
         let _ = writeln!(
             page,
-            "Redo it with `{command}`, one scene with `--only`, a reference with `--references`.\n"
+            "`{command}` repeats the study, with `--only` one scene; `--references` computes the references.\n"
         );
     }
     let mut sections = sections(before);
@@ -143,7 +147,7 @@ fn peers(studied: &Studied) -> String {
         let ours = number(peer.default_cpu);
         let _ = writeln!(
             differ,
-            "\n*{name}*, in a sitting of its own, where the default took {ours} s of CPU. {}",
+            "\n*{name}*, measured separately, where the default took {ours} s of CPU. {}",
             peer.differs.trim()
         );
     }
@@ -185,7 +189,7 @@ fn verdict(studied: &Studied) -> String {
         return "The default was not run.".to_owned();
     };
     let Ok(errors) = &default.errors else {
-        return "**The default does not come to the end.**".to_owned();
+        return "**The default does not reach the end.**".to_owned();
     };
     let within = if errors.peak.abs() <= PROMISED {
         format!(

@@ -156,10 +156,10 @@ fn cost(page: &mut String, validated: &Validated) {
 pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     let mut page = String::from(
         "# Validation\n\n\
-         Results of wythe beside experiments, exact solutions and other models. Nothing is fitted to them; where a value had \
-         to be chosen, its page says so. Each page has the scene, the data with their source and reliability, curves, \
-         cracks, agreement and differences; decks and curves lie beside it.\n\n\
-         `wythe study validation` repeats all cases, with `--only` one of them; the tests run the short forms \
+         Results of wythe beside experiments, exact solutions and other models. Nothing is fitted to them; where a\n\
+         value had to be chosen, its page says so. Each page has the scene, the data with their source and\n\
+         reliability, curves, cracks, agreement and differences; decks and curves lie beside it.\n\n\
+         `wythe study validation` repeats all cases, with `--only` one of them; the tests run the short forms\n\
          (`tests/validation/cases.rs`). CPU times are those of one thread on a machine with other load.\n\n\
          | Case | runs | claims that hold | largest difference | CPU s |\n|---|---|---|---|---|\n",
     );
