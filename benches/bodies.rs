@@ -1,5 +1,6 @@
-//! Loose bodies under general contact: a field of pairs of stones, one above the other, that fall by a millimetre onto a
-//! table and onto each other and lie there, one thread, with what a solve and a body cost.
+//! Loose bodies under general contact: a field of pairs of stones, one above the other, that fall by a millimetre
+//! onto a table and onto each other and come to rest. One thread; the bench measures the cost per solve and per
+//! body.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;

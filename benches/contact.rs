@@ -1,8 +1,8 @@
-//! Interfaces: one point of the law, one projection, one stencil, and the search over 4,800 facets
-//! beside parry3d's hierarchy.
+//! Interfaces: one point of the law, one projection, one stencil, and the search over 4,800 facets beside the
+//! hierarchy of parry3d.
 //!
-//! Not covered: the spread over threads, scattering into the matrix, and reading histories from
-//! memory (here everything stays in cache).
+//! Not covered: distribution over threads, scattering into the matrix, and reading of histories from memory (all
+//! data stay in cache).
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -59,10 +59,10 @@ const FLAT: [[f64; 3]; 4] = [
     [0.0, 49.0, 0.0],
 ];
 
-/// Slave corners, weights of the points, and where they look.
+/// Corners of the slave facet, weights of its points, and their placement on the master facet.
 type Four = ([[f64; 3]; 4], [Lanes; 4], FourPlaced);
 
-/// The Gauss points of a slave facet, a little off the feet of the last iterate.
+/// Gauss points of a slave facet, slightly away from the feet of the last iterate.
 fn placed(slave: &[[f64; 3]; 4], master: &[[f64; 3]; 4]) -> Four {
     let (points, mut placed) = (gauss_points(slave, &Part::WHOLE), FourPlaced::default());
     for (p, point) in points.iter().enumerate() {
@@ -153,7 +153,7 @@ fn geometry(c: &mut Criterion) {
     group.finish();
 }
 
-/// 20 courses of 10 blocks of 24 facets: beds of 5 × 2, ends of 1 × 2, half a mortar joint apart.
+/// 20 courses of 10 blocks of 24 facets: bed faces of 5 × 2, end faces of 1 × 2 facets, half a mortar joint apart.
 fn wall() -> (Surface, Vec<[f64; 3]>) {
     let (mut surface, mut x) = (Surface::default(), Vec::new());
     for course in 0..20_u32 {
@@ -194,7 +194,7 @@ fn wall() -> (Surface, Vec<[f64; 3]>) {
             }
         }
     }
-    // As in a wall that has moved: nothing lies on planes of the axes.
+    // As in a deformed wall, no facet lies in a plane normal to an axis.
     let mut random = Random(5);
     for p in &mut x {
         for v in p.iter_mut() {

@@ -1,6 +1,7 @@
-//! One hex8 in the rotated frame: elastic, with one point yielding, extrapolated with damage, cracked.
+//! One hex8 element in its corotational frame: elastic, with one yielding point, extrapolated with damage,
+//! cracked.
 //!
-//! Not covered: the way from and to memory (`benches/system.rs` runs over a wall).
+//! Not covered: transfer from and to memory (`benches/system.rs` evaluates a whole wall).
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -19,7 +20,7 @@ use wythe::element::hex8::CORNERS;
 use wythe::element::{Corotated, ElementShape};
 use wythe::material::{DamagePlasticity, Material, MaterialHistory, PointEnergy};
 
-/// Corners bent and stretched until exactly one of the Gauss points yields.
+/// Corners of an element, bent and stretched until exactly one Gauss point yields.
 fn one_yielding(
     shape: &ElementShape,
     law: &DamagePlasticity,
@@ -66,13 +67,13 @@ fn element(c: &mut Criterion) {
     let shape = ElementShape::new(&corners, Formulation::Incompatible, &brick().elastic)
         .expect("a sound element");
     let mut random = Random(31);
-    // Turned by some degrees and pulled beyond the first crack.
+    // Rotated by some degrees and pulled beyond the first crack.
     let turn = Rotation3::new(Vector3::new(0.02, -0.03, 0.05));
     let x = corners.map(|c| {
         let noise = Vector3::new(random.signed(), random.signed(), random.signed()) * 1e-3;
         (turn * (Vector3::new(1.0006 * c[0], c[1], c[2]) + noise)).into()
     });
-    // Some MPa of compression, as in a wall under its load.
+    // Some MPa of compression, as in a loaded wall.
     let pressed = corners.map(|c| (turn * Vector3::new(c[0], c[1], 0.9999 * c[2])).into());
     let bent = one_yielding(&shape, &law, &corners);
     let frame = Corotated::new(&shape, &x).expect("a sound element");

@@ -1,6 +1,6 @@
-//! Façades of 100 to 10,000 units with one crack each (benches/facade.toml), solved in full and with
-//! `fidelity = "auto"`: what the crack costs, and what the rest of the façade does. One thread, CPU time, one run each, in turn; no
-//! results are written. It writes `docs/facades/table.csv` and `chart.svg` anew and prints the table;
+//! Façades of 100 to 10,000 units with one crack each (benches/facade.toml), solved in full and with `fidelity =
+//! "auto"`: the cost of the crack and of the rest of the façade. CPU time of one run each on one thread, in turn,
+//! without results on disk. The bench rewrites `docs/facades/table.csv` and `chart.svg` and prints the table.
 //! `WYTHE_BENCH_UNITS=1000` stops at that size and writes nothing.
 
 mod growth;
@@ -15,10 +15,10 @@ use wythe::model::scene::Fidelity;
 use wythe::results::plotting::{Scatter, Spot};
 
 const DECK: &str = include_str!("facade.toml");
-/// Units a course and courses.
+/// Units per course, and number of courses.
 const SIZES: [[usize; 2]; 6] = [[12, 9], [22, 16], [36, 28], [60, 42], [90, 64], [124, 81]];
 
-/// `units` in each of some courses, on ground that parts below the middle.
+/// A façade with this number of units per course and courses, on ground that separates below its middle.
 fn facade([units, courses]: [usize; 2]) -> Model {
     let half = 102 * units;
     let set = |key: &str, value: String| (key.to_owned(), value);

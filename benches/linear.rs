@@ -1,16 +1,16 @@
-//! Linear systems: the matrix of the wall J7D (coarse, at rest) factorised and solved by every back
-//! end, a thick wall and a cube by ours, and several right-hand sides at once.
+//! Linear systems: every back end factorises and solves the matrix of the wall J7D (coarse mesh, at rest). The
+//! solver of this project also factorises a thick wall and a cube, and solves for several right-hand sides at
+//! once.
 //!
-//! The rates are operations a second (Throughput: elements are operations of that back end's own
-//! factor, so that rates of different orderings tell efficiency, times tell speed). faer's back
-//! ends are serial. Not covered: the analysis (once per set of contact candidates), and tangents of
-//! a damaged wall, whose values change nothing but pivots.
+//! Rates are operations per second (in the throughput, elements are operations of the back end's own factor). With
+//! different orderings, compare rates for efficiency and times for speed. The back ends of faer are serial. Not
+//! covered: the analysis (once per set of contact candidates), and tangents of a damaged wall, whose values affect
+//! only the pivots.
 //!
-//! Not measured here but with this binary, after `cargo bench --bench linear --no-run`:
-//! `<binary> --peers <folder>` serves `benches/peers/pardiso.py`;
-//! `<binary> --once <matrix> llt|double|lu [threads] [right-hand sides]` factorises one large matrix
-//! (`wall-240-5-139`, `cube-55`) and tells the memory; `<binary> --scale [threads] [repeats]` walls of 10,000
-//! to 500,000 unknowns, with the exponents of time and memory.
+//! This binary has further modes, after `cargo bench --bench linear --no-run`: `<binary> --peers <folder>` serves
+//! `benches/peers/pardiso.py`; `<binary> --once <matrix> llt|double|lu [threads] [right-hand sides]` factorises
+//! one large matrix (`wall-240-5-139`, `cube-55`) and reports the memory; `<binary> --scale [threads] [repeats]`
+//! factorises walls of 10,000 to 500,000 unknowns and gives the exponents of time and memory.
 
 #[path = "peers/matrices.rs"]
 mod matrices;
@@ -29,7 +29,7 @@ fn pools() -> [(usize, rayon::ThreadPool); 3] {
     })
 }
 
-/// Factorisation and solve of one matrix by one back end on several numbers of threads.
+/// Factorisation and solution of one matrix by one back end on several numbers of threads.
 fn measure(c: &mut Criterion, name: &str, backend: Backend, samples: usize) {
     let matrix = matrix(name);
     let mut solver = matrix.analyse(backend);
@@ -51,7 +51,7 @@ fn measure(c: &mut Criterion, name: &str, backend: Backend, samples: usize) {
         }
         group.sample_size(samples);
         group.bench_function(format!("{label}/{threads}"), |b| {
-            // An unchanged matrix would cost a comparison.
+            // Two matrices alternate, because an unchanged matrix would only be compared with the last.
             let mut turn = values.iter().cycle();
             pool.install(|| {
                 b.iter(|| {
@@ -96,7 +96,7 @@ fn linear(c: &mut Criterion) {
     }
 }
 
-/// Right-hand sides solved at once; elements are right-hand sides.
+/// Solution for several right-hand sides at once; elements of the throughput are right-hand sides.
 fn columns(c: &mut Criterion) {
     let matrix = matrix("j7d");
     let mut solver = matrix.analyse(Backend::MixedLlt);

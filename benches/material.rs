@@ -1,7 +1,7 @@
-//! One point of the solids: elastic, damaged and plastic steps, with and without the tangent.
+//! One point of a solid: elastic, damaged and plastic steps, with and without the tangent.
 //!
-//! Not covered: reading histories from memory (here everything stays in cache) and tables with more
-//! nodes than the paper's.
+//! Not covered: reading of histories from memory (all data stay in cache), and tables with more points than those
+//! of D'Altri et al. (2018).
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -14,10 +14,10 @@ use nalgebra::Vector6;
 use wythe::material::{DamagePlasticity, MaterialHistory};
 use wythe::tensor;
 
-/// A strain, and the history it starts from.
+/// A strain and the history before it.
 type State = (Vector6<f64>, MaterialHistory);
 
-/// The history after one step to `strain`, and a next strain.
+/// History after one step to `strain`, and the next strain.
 fn after(law: &DamagePlasticity, strain: [f64; 6], next: [f64; 6]) -> State {
     let old = MaterialHistory::default();
     let history = law
@@ -31,17 +31,17 @@ fn states(law: &DamagePlasticity) -> [(&'static str, State); 6] {
     let virgin = MaterialHistory::default();
     let cracked = [6e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4];
     [
-        // Far from yield: a bound decides.
+        // Far from yield: a bound of the stress decides.
         (
             "elastic",
             ([5e-5, -2e-5, 1e-5, 3e-5, -2e-5, 1e-5].into(), virgin),
         ),
-        // Below yield, but only the principal stresses tell.
+        // Below yield, but only the principal stresses show it.
         (
             "near_yield",
             ([1.5e-4, -1.2e-4, -1e-4, 2e-5, -2e-5, 1e-5].into(), virgin),
         ),
-        // A crack that closes a little: elastic, with the damage's weight r to follow.
+        // A crack that closes a little: elastic, but the weight r of the damage changes.
         (
             "unloading",
             after(law, cracked, [4e-4, -1e-4, -1e-4, 2e-4, 1e-4, -1e-4]),

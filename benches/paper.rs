@@ -1,7 +1,9 @@
-//! The walls of D'Altri et al. (2018), whole runs with their results, as `wythe run` makes them: CPU and wall time, solves,
-//! where the time goes, and the peak beside the references of docs/accuracy-speed.md. One thread; some also on two, and four
-//! if the machine has them. All in turn, `WYTHE_BENCH_ROUNDS` times (two; some five minutes each), of which the least counts.
-//! It writes `docs/paper-times/table.csv` anew; `WYTHE_BENCH_ONLY=J4D` runs what has that in its name and writes nothing.
+//! The walls of D'Altri et al. (2018): whole runs with results, as `wythe run` performs them. The bench measures
+//! CPU and wall time, linear solves, the times of the parts of the solver, and the peak relative to the references
+//! of docs/accuracy-speed.md. Runs use one thread; some are repeated on two, and on four if the machine has them.
+//! All runs are made in turn, `WYTHE_BENCH_ROUNDS` times (default two; some five minutes each); the least time
+//! counts. The bench rewrites `docs/paper-times/table.csv`. `WYTHE_BENCH_ONLY=J4D` runs only the walls with this
+//! text in their names and writes nothing.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +18,7 @@ struct Wall {
     name: &'static str,
     example: &'static str,
     set: &'static [(&'static str, &'static str)],
-    /// Folder of the chart's scene whose reference it stands beside, and the column of its peak.
+    /// Folder of the accuracy scene with the reference, and the column of its peak.
     beside: Option<(&'static str, &'static str)>,
     most_threads: usize,
 }
@@ -30,7 +32,7 @@ const BENT: Option<(&str, &str)> = Some(("04-out-of-plane", "airbag_MPa"));
 const FINE: (&str, &str) = ("wall.mesh", "fine");
 const FULL: (&str, &str) = ("fidelity", "full");
 
-/// As scene 4 of the chart has it.
+/// Settings of scene 4 of the accuracy study.
 const SCENE_4: [(&str, &str); 2] = [
     ("steps.1.control.displacement", "1.0"),
     ("steps.1.increments.max", "0.05"),
@@ -102,7 +104,7 @@ const WALLS: [Wall; 9] = [
     },
 ];
 
-/// Largest value of a column of a table with commas whose comments begin with `#`.
+/// Largest value of a column in a CSV table, in which `#` begins a comment.
 fn largest(path: &Path, column: &str) -> f64 {
     let text = std::fs::read_to_string(path).expect("a table");
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -117,7 +119,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What the run told, and its peak over that of the reference.
+/// Summary of a run, and its peak over that of the reference.
 fn run(wall: &Wall, threads: usize) -> (SummaryFile, Option<f64>) {
     let text = |&(key, value): &(&str, &str)| (key.to_owned(), value.to_owned());
     let overrides: Vec<(String, String)> = wall.set.iter().map(text).collect();

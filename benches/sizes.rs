@@ -1,7 +1,8 @@
-//! The shear wall of `examples/03_shear_wall_j7d.toml` from 10,000 to 500,000 unknowns, whole: pressed, and pushed until
-//! joints slide and bricks yield. What a solve takes on one thread, two, and four if the machine has them, and the memory
-//! of the process; no results are written. It writes `docs/sizes/table.csv` and `chart.svg` anew and prints the table;
-//! `WYTHE_BENCH_UNKNOWNS=100000` stops at that size and writes nothing.
+//! The shear wall of `examples/03_shear_wall_j7d.toml` with 10,000 to 500,000 unknowns, solved in full:
+//! compressed, then pushed until joints slide and bricks yield. The bench measures the cost of a solve on one
+//! thread, on two, and on four if the machine has them, and the memory of the process, without results on disk. It
+//! rewrites `docs/sizes/table.csv` and `chart.svg` and prints the table. `WYTHE_BENCH_UNKNOWNS=100000` stops at
+//! that size and writes nothing.
 
 mod growth;
 
@@ -15,11 +16,12 @@ use wythe::model::Model;
 use wythe::results::plotting::{Scatter, Spot};
 use wythe::results::usage::peak_memory_megabytes;
 
-/// Units a course and courses, in steps of some 2.6. The memory of a process never falls, so sizes only grow.
+/// Units per course, and number of courses; the unknowns grow by a factor of some 2.6. The largest memory of a
+/// process never decreases, so the sizes only grow.
 const SIZES: [[usize; 2]; 5] = [[6, 12], [10, 20], [16, 32], [26, 52], [43, 85]];
-/// Of the height: joints slide and the first bricks yield.
+/// Displacement of the top over the height [-]: joints slide and the first bricks yield.
 const DRIFT: f64 = 6e-4;
-/// Pressed by less than J7D: the highest wall would buckle.
+/// A smaller pressure than that of J7D, under which the highest wall would buckle.
 const PRESSURE: &str = "1 MPa";
 const THREADS: [usize; 3] = [1, 2, 4];
 

@@ -1,8 +1,8 @@
-//! The wall J7D: forces and tangents of solids and interfaces, the search, the gather, the
-//! factorisation, and one whole iteration on one and on two threads.
+//! The wall J7D: forces and tangents of solids and interfaces, the search, the assembly of the matrix, the
+//! factorisation, and one whole iteration on one thread and on two.
 //!
-//! Not covered: building the model, recording, and the many states a wall goes through; this one is
-//! at 0.4 mm of 4 mm, where a few joints have yielded and no brick has cracked.
+//! Not covered: construction of the model, output, and other states of a wall. This one is at 0.4 mm of 4 mm,
+//! where a few joints have yielded and no brick has cracked.
 
 mod pushed;
 
@@ -22,7 +22,7 @@ fn threads(n: usize) -> ThreadPool {
         .expect("threads")
 }
 
-/// Solids and interfaces, each in its slots of the trial, on one thread.
+/// Evaluation of solids and of interfaces on one thread.
 fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     let elements = wall.system.bulk.elements.len();
     let solids = |solids, tangent| Evaluation {
@@ -69,7 +69,7 @@ fn evaluation(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.finish();
 }
 
-/// Candidates anew, and pairs among the known candidates.
+/// Search for new candidates, and pairing among known candidates.
 fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     let surfaces = &wall.model.contact;
     let (slave, master) = (surfaces.slave(), surfaces.master());
@@ -81,7 +81,7 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.bench_function("candidates", |b| {
         b.iter(|| Candidates::find(&slave, &boxes, &master, &x, 3.0).len());
     });
-    // A new contact knows no candidates: the same search, through the system.
+    // A new contact has no candidates, so the search finds them first.
     let fresh = Contact::new(&wall.model);
     group.bench_function("candidates_and_pairs", |b| {
         b.iter_batched(
@@ -90,7 +90,7 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
             criterion::BatchSize::LargeInput,
         );
     });
-    // Where the forces were not taken before, and where they were.
+    // A state whose forces are not known, and one whose forces are.
     let elsewhere: Vec<f64> = wall.q.iter().map(|q| q + 1e-7).collect();
     group.bench_function("pairs", |b| {
         b.iter(|| pool.install(|| wall.system.search(&mut wall.trial, &elsewhere)));
@@ -102,7 +102,7 @@ fn search(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.finish();
 }
 
-/// Cells into the matrix, the matrix into factors.
+/// Assembly and factorisation of the matrix.
 fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     wall.search_and_evaluate(setting(true));
     let mut group = c.benchmark_group("j7d_matrix");
@@ -116,7 +116,7 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
                 .map(|(entries, _)| entries)
         });
     });
-    // Matrices in turn, none of which is the last: of that the factors would be kept.
+    // Matrices alternate, because the factors of an unchanged matrix are reused.
     let mut stiffer: Vec<f64> = wall.values.iter().map(|a| a * (1.0 + 1e-9)).collect();
     group.bench_function("factorise", |b| {
         b.iter(|| {
@@ -135,8 +135,8 @@ fn matrix(c: &mut Criterion, pool: &ThreadPool, wall: &mut Pushed) {
     group.finish();
 }
 
-/// Search, forces and tangents, gather, factorisation, solve, and the forces at the new point. It starts a 1e-9 farther
-/// than the one before or as much nearer, so that no stiffness and no factor is that of the last.
+/// Search, forces and tangents, assembly, factorisation, solution, and the forces at the new point. Each start
+/// differs from the one before by ±1e-9, so that no stiffness and no factor is reused.
 fn iteration(wall: &mut Pushed, farther: &mut bool) {
     *farther = !*farther;
     let scale = if *farther {
@@ -197,7 +197,7 @@ fn benches(c: &mut Criterion) {
 
 criterion_group! {
     name = system;
-    // Tens of milliseconds each: twenty samples in some seconds.
+    // Iterations take tens of milliseconds: twenty samples take some seconds.
     config = Criterion::default().sample_size(20);
     targets = benches
 }

@@ -1,8 +1,8 @@
-//! Whole runs of the walls J7D and J4D, one thread, with what they took: increments, linear solves,
-//! factorisations, evaluations of all forces (the line search's among them).
+//! Whole runs of the walls J7D and J4D on one thread, with their numbers of increments, linear solves,
+//! factorisations and force evaluations (those of the line search included).
 //!
-//! To 0.5 mm of the 4 mm, so that criterion's ten runs take a minute; `WYTHE_BENCH_TO="4 mm"` takes them
-//! whole. Not covered: reading the deck and writing results.
+//! The runs end at 0.5 mm of the 4 mm, so that the ten samples of criterion take a minute; `WYTHE_BENCH_TO="4 mm"`
+//! runs them to the end. Not covered: reading of the deck and writing of results.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;
@@ -27,12 +27,12 @@ fn walls(c: &mut Criterion) {
     group.sample_size(10);
     for (name, example) in [("j7d", "03_shear_wall_j7d"), ("j4d", "04_shear_wall_j4d")] {
         let path = format!("{}/examples/{example}.toml", env!("CARGO_MANIFEST_DIR"));
-        // The drive's displacement alone: its increments stay those of 4 mm.
+        // Only the displacement of the drive changes; the increments remain those for 4 mm.
         let whole = 4.0;
         let part: f64 = to.trim_end_matches("mm").trim().parse().unwrap_or(whole);
         let set = |key: &str, value: String| (format!("steps.1.{key}"), value);
         let overrides = [
-            // The whole, as ever: what its half saves is in docs/performance.md.
+            // The whole model is solved; docs/performance.md gives the saving by symmetry.
             ("fidelity".to_owned(), "full".to_owned()),
             set("displacement", to.clone()),
             set("viscosity", (0.0025 * whole / part).to_string()),

@@ -1,4 +1,4 @@
-//! What the benches of growing scenes share: runs without results, and how times grow.
+//! Helpers for benches of scenes of increasing size: runs without results, and growth of times.
 
 use rayon::ThreadPool;
 use wythe::model::Model;
@@ -6,7 +6,7 @@ use wythe::results::usage::cpu_seconds;
 use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow, Summary};
 
-/// The last row alone.
+/// Recorder that keeps the last row.
 #[derive(Default)]
 struct Last(Option<HistoryRow>);
 
@@ -17,7 +17,7 @@ impl Recorder for Last {
     }
 }
 
-/// Runs `model` on the threads of `pool`: CPU seconds, the last row, and what the run tells.
+/// Runs `model` on the threads of `pool`. Returns CPU time [s], the last row, and the summary.
 pub fn run(model: &Model, pool: &ThreadPool) -> (f64, HistoryRow, Summary) {
     let mut last = Last::default();
     let before = cpu_seconds().expect("a clock");
@@ -26,7 +26,7 @@ pub fn run(model: &Model, pool: &ThreadPool) -> (f64, HistoryRow, Summary) {
     (seconds, last.0.expect("a row"), summary)
 }
 
-/// Exponent of y over x, by least squares of their logarithms.
+/// Exponent of y as a power of x, by least squares of the logarithms.
 pub fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
@@ -39,7 +39,7 @@ pub fn exponent(points: &[(f64, f64)]) -> f64 {
         / along
 }
 
-/// `docs/FOLDER/table.csv` and `chart.svg`.
+/// Writes `docs/FOLDER/table.csv` and `chart.svg`.
 pub fn write(folder: &str, table: &str, chart: &str) {
     let folder = format!("{}/docs/{folder}", env!("CARGO_MANIFEST_DIR"));
     std::fs::create_dir_all(&folder).expect("a folder");

@@ -1,4 +1,4 @@
-//! The matrices on which linear solvers are compared.
+//! Matrices for the comparison of linear solvers.
 
 use std::path::Path;
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
@@ -14,7 +14,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Analysed for a back end.
+    /// Analyses the pattern for a back end.
     pub fn analyse(&self, backend: Backend) -> LinearSolver {
         LinearSolver::analyse(&self.pattern, Options::new(backend)).expect("an analysis")
     }
@@ -23,7 +23,7 @@ impl Matrix {
 /// Names understood by [`matrix`].
 pub const NAMES: [&str; 5] = ["j7d", "j7d-fine", "thick", "cube-20", "cube-30"];
 
-/// The tangent of the wall J7D at rest, or a grid of nodes: `thick`, `cube-n`, `wall-nx-ny-nz`.
+/// Tangent of the wall J7D at rest, or of a grid of nodes: `thick`, `cube-n`, `wall-nx-ny-nz`.
 pub fn matrix(name: &str) -> Matrix {
     let counts: Vec<usize> = name.split('-').filter_map(|n| n.parse().ok()).collect();
     match (name, &counts[..]) {
@@ -40,7 +40,7 @@ fn wall(set: &[(&str, &str)]) -> Matrix {
     example("03_shear_wall_j7d.toml", set)
 }
 
-/// The tangent at rest of the large wall of elastic units, of this length [mm] and so many courses.
+/// Tangent at rest of a large wall with elastic units, of this length [mm] and number of courses.
 pub fn large_wall(length: &str, courses: &str) -> Matrix {
     let set = [("wall.length", length), ("wall.courses", courses)];
     example("70_large_wall.toml", &set)
@@ -84,8 +84,8 @@ fn example(name: &str, set: &[(&str, &str)]) -> Matrix {
     }
 }
 
-/// A grid of nodes with three equations each that couple to 27 nodes as those of hex8 do: springs
-/// k = d dᵀ + 0.2 between neighbours (d their unit vector), held where x = 0.
+/// A grid of nodes with three equations each, coupled to 27 nodes as in hex8 meshes: springs k = d dᵀ + 0.2
+/// between neighbours (d is their unit vector), fixed at x = 0.
 fn grid(nodes: [usize; 3]) -> Matrix {
     let [nx, ny, nz] = nodes;
     let around = |i: usize, n: usize| i.saturating_sub(1)..(i + 2).min(n);
@@ -104,7 +104,7 @@ fn grid(nodes: [usize; 3]) -> Matrix {
                     let k: [[f64; 3]; 3] = std::array::from_fn(|p| {
                         std::array::from_fn(|q| d[p] * d[q] / square + 0.2 * f64::from(p == q))
                     });
-                    // That of a node with itself holds it at x = 0 and is nothing elsewhere.
+                    // The spring of a node with itself fixes it at x = 0 and is zero elsewhere.
                     let other = a + nx * (b + ny * c);
                     if other != at || here[0] == 0 {
                         (0..9).for_each(|i| sum[i / 3][i % 3] += k[i / 3][i % 3]);

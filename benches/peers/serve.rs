@@ -1,5 +1,5 @@
-//! Our side of a comparison with other programs: matrices written for them, and our own times on
-//! request, so that both can be measured turn by turn in one sitting.
+//! Comparison with other programs: writes the matrices for them and measures this solver on request, so that both
+//! are measured alternately.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufWriter, Write};
@@ -31,17 +31,17 @@ fn write(path: &Path, matrix: &Matrix) -> std::io::Result<()> {
     file.flush()
 }
 
-/// Seconds this thread has had a core (Linux; elsewhere nought): on a shared host the wall clock
-/// measures the neighbours.
+/// CPU time of this thread [s] (Linux; zero elsewhere). On a shared host the wall time would include the load of
+/// others.
 fn cpu_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = text.split_whitespace().next().and_then(|n| n.parse().ok());
     1e-9 * nanoseconds.unwrap_or(0.0)
 }
 
-/// Writes the matrices to `folder`, then answers lines `matrix llt|lu threads` with a line of
-/// seconds to factorise and to solve, residual, numbers in the factor, operations, and of the calling
-/// thread the seconds on a core to factorise and to solve.
+/// Writes the matrices to `folder`. Then answers each line `matrix llt|lu threads` with a line of numbers: times
+/// to factorise and to solve [s], residual, number of entries of the factor, operations, and CPU times of the
+/// calling thread to factorise and to solve [s].
 pub fn serve(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let matrices: BTreeMap<&str, Matrix> = NAMES.map(|name| (name, matrix(name))).into();
@@ -89,8 +89,8 @@ pub fn serve(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Analyses and factorises one matrix twice and solves for `columns` right-hand sides; prints
-/// times and the largest memory the process ever held (Linux).
+/// Analyses a matrix, factorises it twice and solves for `columns` right-hand sides. Prints the times and the
+/// largest memory of the process (Linux).
 pub fn once(name: &str, backend: Backend, threads: usize, columns: usize) -> std::io::Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().expect("threads");
@@ -127,7 +127,7 @@ pub fn once(name: &str, backend: Backend, threads: usize, columns: usize) -> std
     Ok(())
 }
 
-/// Resident memory of the process [bytes] (Linux; elsewhere nought).
+/// Resident memory of the process [bytes] (Linux; zero elsewhere).
 fn resident() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmRSS"));
@@ -135,9 +135,9 @@ fn resident() -> f64 {
     1024.0 * kilobytes.unwrap_or(0.0)
 }
 
-/// Walls of 10,000 to 500,000 unknowns by L Lᵀ: times of analysis, factorisation, the same after a change
-/// in a corner and after none, and solve, memory, and the exponents of their growth from the first to the last. Writes
-/// `docs/linear-solver/table.csv` and `chart.svg` anew.
+/// Walls of 10,000 to 500,000 unknowns by L Lᵀ: times of the analysis, the factorisation, the factorisation after
+/// a change in a corner and after no change, and the solution; the memory; and the exponents of their growth from
+/// the first wall to the last. Rewrites `docs/linear-solver/table.csv` and `chart.svg`.
 pub fn scale(threads: usize, repeats: usize) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().expect("threads");
@@ -193,7 +193,7 @@ pub fn scale(threads: usize, repeats: usize) {
     std::fs::write(format!("{folder}/chart.svg"), svg.expect("a chart")).expect("a chart");
 }
 
-/// Unknowns, and what [`scale`] prints of one wall: the least of several times.
+/// Number of unknowns, and the figures that [`scale`] prints for one wall, the least of several times.
 fn grow(matrix: &Matrix, repeats: usize) -> (f64, [f64; 7]) {
     let n = matrix.pattern.n();
     let mut times = [f64::INFINITY; 5];
@@ -219,7 +219,7 @@ fn grow(matrix: &Matrix, repeats: usize) -> (f64, [f64; 7]) {
             whole = resident() - before - 16.0 * matrix.values.len() as f64;
         }
         solver.factorise(&matrix.values).expect("factors");
-        // The first change in a corner makes the solver keep Schur complements, the second is measured.
+        // The first change in a corner makes the solver store Schur complements; the second is measured.
         for values in [&corner, &matrix.values, &corner] {
             let stats = solver.factorise(values).expect("factors");
             if stats.reused > 0.0 {

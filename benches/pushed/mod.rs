@@ -1,5 +1,5 @@
-//! The wall J7D of `examples/03_shear_wall_j7d.toml`, pushed a little by the solver itself: joints
-//! open and slide, some points of the mortar have yielded. What the benches of the system start from.
+//! Initial state for the benches of the system: the wall J7D of `examples/03_shear_wall_j7d.toml`, pushed a little
+//! by the solver itself. Joints open and slide, and some points of the mortar yield.
 
 use wythe::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use wythe::deck::Deck;
@@ -9,30 +9,30 @@ use wythe::solve::Recorder;
 use wythe::state::{Clock, State};
 use wythe::state::{Frame, HistoryRow};
 
-/// Displacement of the top that the benches start from [mm].
+/// Displacement of the top in the initial state [mm].
 const PUSHED: f64 = 0.4;
 
-/// Model, system and the state the benches start from.
+/// Model, system and initial state of the benches.
 pub struct Pushed {
     /// The model.
     pub model: Model,
-    /// Its system, analysed for the step of the push.
+    /// System, analysed for the step of the push.
     pub system: System,
     /// Last committed state.
     pub state: State,
-    /// Scratch: evaluated at `q`, with tangents.
+    /// Working data, evaluated at `q` with tangents.
     pub trial: Trial,
     /// Unknowns of the push.
     pub equations: Equations,
-    /// The matrix's solver.
+    /// Linear solver of the matrix.
     pub linear: LinearSolver,
-    /// Its values.
+    /// Values of the matrix.
     pub values: Vec<f64>,
-    /// Generalised displacements of the start of the next increment [mm]. `[slot]`
+    /// Generalised displacements at the start of the next increment [mm]. `[slot]`
     pub q: Vec<f64>,
 }
 
-/// An iterate, with tangents, or a trial of the line search along its direction, without.
+/// Settings for an iterate, with tangents, or for a trial of the line search, without tangents.
 pub fn setting(tangent: bool) -> Evaluation {
     Evaluation {
         dt: 0.0125,
@@ -47,7 +47,7 @@ pub fn setting(tangent: bool) -> Evaluation {
     }
 }
 
-/// Keeps the last state and stops the run.
+/// Recorder that keeps the last state and stops the run.
 #[derive(Default)]
 struct Stop(Option<State>);
 
@@ -62,13 +62,13 @@ impl Recorder for Stop {
 }
 
 impl Pushed {
-    /// Runs the wall to where the benches start, and begins the next increment there.
+    /// Runs the wall to the initial state and begins the next increment there.
     pub fn new() -> Self {
         let path = concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/examples/03_shear_wall_j7d.toml"
         );
-        // Its state is that of the whole.
+        // The benches need the state of the whole wall.
         let full = [("fidelity".to_owned(), "full".to_owned())];
         let deck = Deck::load(path, &full).expect("the example is sound");
         let (model, _) = Model::from_deck(&deck).expect("the example is sound");
@@ -105,13 +105,13 @@ impl Pushed {
         wall
     }
 
-    /// Pairs the contact points, and all forces at `q`.
+    /// Pairs the contact points and evaluates all forces at `q`.
     pub fn search_and_evaluate(&mut self, setting: Evaluation) {
         self.system.search(&mut self.trial, &self.q);
         self.evaluate(setting);
     }
 
-    /// All forces at `q`.
+    /// Evaluates all forces at `q`.
     pub fn evaluate(&mut self, setting: Evaluation) {
         self.system
             .evaluate(
@@ -125,7 +125,7 @@ impl Pushed {
             .expect("sound elements");
     }
 
-    /// d = −K⁻¹ r of the forces last evaluated; no forces act from outside.
+    /// d = −K⁻¹ r of the forces last evaluated; there are no external forces.
     pub fn direction(&mut self) -> Vec<f64> {
         let force = &self.trial.force;
         let slots = self.equations.slot_of.iter();

@@ -401,7 +401,7 @@ fn a_peer_stands_in_chart_and_tables_and_is_not_run() {
     for said in [
         "\n| Other | peer | +20 % | +10 % | ",
         " | | 1.50 | 3.00 | | | | |\n",
-        "*Other*, in a sitting of its own, where the default took 2.00 s of CPU. All of it.",
+        "*Other*, measured separately, where the default took 2.00 s of CPU. All of it.",
     ] {
         assert!(text.contains(said), "{said}: {text}");
     }

@@ -149,7 +149,7 @@ impl Terminal {
         }
     }
 
-    /// Notes a finished increment.
+    /// Shows a finished increment.
     pub fn increment(&mut self, row: &HistoryRow) {
         self.increment = row.increment;
         self.procedure = row.procedure.name();
@@ -185,7 +185,7 @@ impl Terminal {
         }
     }
 
-    /// Notes the number of linear solves spent on the next increment, in `step`.
+    /// Shows the number of linear solves spent on the next increment, in `step`.
     pub fn iteration(&mut self, step: usize, iterations: usize) {
         if let Voice::Bar(bar) = &self.voice {
             let (next, name) = (self.increment + 1, self.name(step));

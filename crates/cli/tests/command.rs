@@ -1,4 +1,4 @@
-//! The command as a user meets it: exit codes, messages, files.
+//! Exit codes, messages and files of the command.
 
 mod common;
 
@@ -41,7 +41,7 @@ fn a_missing_model_exits_with_4_and_a_bad_one_with_2() {
     );
 }
 
-/// A run is refused before its folder is made, with the file, the place and a fix.
+/// A wrong model is rejected before the folder is created, with the file, the place and advice.
 #[test]
 fn every_bad_deck_exits_with_2_and_leaves_no_folder() {
     let folder = tempfile::tempdir().unwrap();
@@ -90,7 +90,7 @@ fn results_that_cannot_be_written_exit_with_4() {
     );
 }
 
-/// One folder would lie below a file; in the other no file may have a single byte, as where a quota is used up.
+/// One folder would lie below a file. In the other, files may not hold a single byte, as with an exhausted quota.
 #[test]
 #[cfg(target_os = "linux")]
 fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole() {
@@ -101,7 +101,7 @@ fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole(
     let full = folder.path().join("full.out");
     for (limit, out, said) in [
         ("true", &below, "cannot be created"),
-        // Without the signal that would kill.
+        // SIGXFSZ, which would end the process, is ignored.
         ("trap '' XFSZ && ulimit -f 0", &full, "File too large"),
     ] {
         let output = Command::new("sh")
@@ -117,7 +117,7 @@ fn folders_and_disks_that_refuse_exit_with_4_and_leave_nothing_that_looks_whole(
     }
 }
 
-/// A device is written to as it is, never replaced by a file.
+/// The command writes to a device and never replaces it by a file.
 #[test]
 #[cfg(target_os = "linux")]
 fn answers_go_to_devices_as_they_are() {
@@ -139,7 +139,7 @@ fn answers_go_to_devices_as_they_are() {
         "{}",
         stderr(&output)
     );
-    // The device is still one: nothing was moved over it.
+    // The device still exists: no file was moved over it.
     use std::os::unix::fs::FileTypeExt;
     let device = std::fs::metadata("/dev/full").unwrap().file_type();
     assert!(device.is_char_device());
@@ -150,7 +150,7 @@ fn answers_go_to_devices_as_they_are() {
     );
 }
 
-/// The second step cannot converge: one iteration for a tolerance below rounding, and no cut.
+/// The second step cannot converge: it has one iteration for a tolerance below rounding, and no cut-backs.
 #[test]
 fn lost_convergence_exits_with_3_keeps_what_was_and_says_what_to_try() {
     let folder = tempfile::tempdir().unwrap();
@@ -176,7 +176,7 @@ fn lost_convergence_exits_with_3_keeps_what_was_and_says_what_to_try() {
         "{steps:?}"
     );
     let times = column(&history, "time");
-    assert_eq!(times.last(), Some(&1.0)); // the preload is whole
+    assert_eq!(times.last(), Some(&1.0)); // the preload is complete
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["status"], "not_converged");
@@ -192,7 +192,7 @@ fn lost_convergence_exits_with_3_keeps_what_was_and_says_what_to_try() {
     ] {
         assert!(message.contains(part), "{part} is not in {message}");
     }
-    // The command says the same.
+    // The printed message has the same advice.
     assert!(
         stderr(&output).contains("steps.1.increments.min below"),
         "{}",
@@ -217,7 +217,7 @@ fn signal(name: &str, child: &std::process::Child) {
     assert!(sent.success());
 }
 
-/// A couplet in so many increments that there is time to interrupt it, once it has written a few.
+/// Starts a couplet with enough increments to be interrupted, and waits until some of them are written.
 #[cfg(unix)]
 fn long_run(out: &Path) -> std::process::Child {
     use std::process::Stdio;
@@ -263,7 +263,7 @@ fn an_interrupt_finishes_the_increment_writes_everything_and_exits_with_130() {
     assert!(out.join("load_displacement.svg").is_file());
 }
 
-/// The first increment of a fine wall takes long enough to be asked twice.
+/// The first increment of a fine wall takes long enough for two interrupts.
 #[test]
 #[cfg(unix)]
 fn a_second_interrupt_stops_at_once() {
@@ -279,7 +279,7 @@ fn a_second_interrupt_stops_at_once() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // The files are begun after the command has begun to listen.
+    // The command listens to signals before it creates the files.
     while !out.join("results.vtkhdf").exists() {
         assert!(child.try_wait().unwrap().is_none(), "ended before it began");
         std::thread::sleep(std::time::Duration::from_millis(5));
@@ -289,7 +289,7 @@ fn a_second_interrupt_stops_at_once() {
     assert!(said.any(|line| line.unwrap().contains("Ctrl-C again stops at once")));
     signal("-INT", &child);
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    // No increment was finished, and nothing says that the run is whole.
+    // No increment was finished, and no summary claims that the run is complete.
     let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
     assert_eq!(history.lines().count(), 1, "{history}");
     assert!(!out.join("summary.json").exists());
@@ -304,13 +304,13 @@ fn a_killed_run_leaves_rows_that_are_read_and_no_summary() {
     signal("-KILL", &child);
     assert_eq!(child.wait().unwrap().code(), None);
     let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
-    // A kill may stop the system where the row that is being written goes from one page to the next.
+    // The process may be killed between the writes of two pages of a row.
     let (whole, cut) = history.rsplit_once('\n').unwrap();
-    // Every row but that parses, to the last cell.
+    // Every row except the last, incomplete one can be read, to its last cell.
     let rows = column(whole, "out_of_balance").len();
     assert!(rows >= 11);
     assert!(!out.join("summary.json").exists());
-    // Whatever the kill left, and a row that ends in its midst, is read as the rows that are whole.
+    // A row that ends in the middle is ignored; the complete rows before it are read.
     for rest in [cut, "99,0,0.5"] {
         std::fs::write(out.join("history.csv"), format!("{whole}\n{rest}")).unwrap();
         let read = RunFolder::open(&out).unwrap().history().unwrap();

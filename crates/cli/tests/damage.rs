@@ -1,4 +1,5 @@
-//! Folders of runs whose files were changed by whatever: what goes on from them is right, and what reads them says so.
+//! Damaged folders of runs: a run that continues from them gives correct results, and commands that read them
+//! report the damage.
 #![cfg(unix)]
 
 mod common;
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 use common::*;
 use wythe_core::results::RunFolder;
 
-/// Numbers that do not repeat soon (splitmix64).
+/// A random number generator with a long period (splitmix64).
 struct Random(u64);
 
 impl Random {
@@ -38,7 +39,7 @@ fn flip(path: &Path, bit: u64) {
     std::fs::write(path, bytes).unwrap();
 }
 
-/// A run that was killed between two checkpoints, some way before its end.
+/// A run that was killed between two checkpoints, well before its end.
 fn killed(out: &Path) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_wythe"))
         .args([
@@ -57,7 +58,7 @@ fn killed(out: &Path) {
         .unwrap();
     let begun = Instant::now();
     let rows = || std::fs::read_to_string(out.join("history.csv")).map_or(0, |t| t.lines().count());
-    // Of 198 lines.
+    // The complete history has 198 lines.
     while rows() < 120 {
         assert!(begun.elapsed() < Duration::from_secs(120));
         assert!(child.try_wait().unwrap().is_none(), "ended before the kill");
@@ -67,7 +68,7 @@ fn killed(out: &Path) {
     child.wait().unwrap();
 }
 
-/// All that is told of a finished run: history, messages, fields.
+/// All results of a finished run: history, messages, fields.
 fn told(out: &Path) -> [Vec<u8>; 3] {
     let fields = RunFolder::open(out).unwrap().fields().unwrap();
     let frames = (0..fields.times().len()).map(|frame| fields.frame(frame).unwrap());
@@ -80,12 +81,12 @@ fn told(out: &Path) -> [Vec<u8>; 3] {
     ]
 }
 
-/// Bytes at the beginning of each file that tell its format: the magic and the header record of MCAP without its texts
-/// (8 + 9 + 4 + 4), the first column names of the history, the superblock of HDF5.
+/// Number of bytes at the beginning of each file that identify its format: the magic bytes and the header record
+/// of MCAP without its texts (8 + 9 + 4 + 4), the first column names of the history, the superblock of HDF5.
 const FORMAT: u64 = 25;
 
-/// A bit that has changed in a file is seen, and a warning names the file, or it leaves no trace: then all files are
-/// those of a run that nothing has disturbed. The history is that in any case.
+/// A changed bit is either detected, and a warning names the file, or has no effect: then all files equal those of
+/// an undisturbed run. The history equals it in both cases.
 #[test]
 fn a_changed_bit_is_seen_or_leaves_no_trace() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,7 +106,8 @@ fn a_changed_bit_is_seen_or_leaves_no_trace() {
         let length = std::fs::metadata(stopped.join(file)).unwrap().len();
         for attempt in 0..16 {
             copy(&stopped, &out);
-            // The first bytes are those of formats, which every checkpoint counts on; the others lie anywhere.
+            // The first bytes identify the format, and every checkpoint includes them; the other bits lie
+            // anywhere.
             let bit = random.below(if attempt < 4 { 8 * FORMAT } else { 8 * length });
             flip(&out.join(file), bit);
             let output = wythe(&["resume", &name, "--threads", "1"]);
@@ -120,10 +122,10 @@ fn a_changed_bit_is_seen_or_leaves_no_trace() {
             }
         }
     }
-    // Of the fields every bit counts, of the others those before the checkpoint. Where it lies depends on the moment of
-    // the kill, but it is behind the formats.
+    // In the fields every bit counts, in the other files only those before the checkpoint. The position of the
+    // checkpoint depends on the moment of the kill, but it lies after the format bytes.
     assert!(seen[0] >= 4 && seen[1] >= 4 && seen[2] == 16, "{seen:?}");
-    // A checkpoint that is damaged is none, and nothing is changed.
+    // A damaged checkpoint is rejected, and no file is changed.
     let length = std::fs::metadata(stopped.join("checkpoint.bin"))
         .unwrap()
         .len();
@@ -144,7 +146,7 @@ fn a_changed_bit_is_seen_or_leaves_no_trace() {
     }
 }
 
-/// The command with one gibibyte of address space, which ends within ten seconds.
+/// Runs the command with one gibibyte of address space. It must end within ten seconds.
 fn limited(arguments: &[&str]) -> Output {
     let begun = Instant::now();
     let output = Command::new("sh")
@@ -159,7 +161,7 @@ fn limited(arguments: &[&str]) -> Output {
     output
 }
 
-/// Whatever has happened to a file, commands that read the folder end by themselves: they read it, or name the file.
+/// Whatever the damage to a file, commands that read the folder end by themselves: they read the file, or name it.
 #[test]
 fn damaged_files_are_read_or_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -181,12 +183,12 @@ fn damaged_files_are_read_or_named() {
             copy(&whole, &out);
             let mut bytes = bytes.clone();
             match attempt {
-                // Cut, emptied, doubled, of another kind.
+                // Cut, emptied, doubled, replaced by another kind of data.
                 0 => bytes.truncate(random.below(bytes.len() as u64) as usize),
                 1 => bytes.clear(),
                 2 => bytes.extend_from_within(..),
                 3 => bytes.fill(0xFF),
-                // Eight bytes of any number in a row.
+                // Eight consecutive bytes with any value.
                 4..7 => {
                     let at = random.below(bytes.len() as u64 - 8) as usize;
                     let number = random.below(u64::MAX) >> (16 * (attempt - 4));

@@ -1,4 +1,4 @@
-//! `wythe drive` as a user meets it.
+//! The command `wythe drive`.
 
 mod common;
 
@@ -33,7 +33,7 @@ fn shear_wall() -> String {
         .to_string()
 }
 
-/// One implicit step a row of the shear path at −0.5 MPa is a stored curve of theory/joint.md, eqs 9 to 18.
+/// With one implicit step per row, the shear path at −0.5 MPa gives a stored curve (theory/joint.md, eqs 9 to 18).
 #[test]
 fn an_interface_point_follows_its_stored_curve() {
     let path = repository("tests/data/golden/itf_T1_mode2_sig0.5.csv");
@@ -52,15 +52,15 @@ fn an_interface_point_follows_its_stored_curve() {
             .zip(column(&golden, reference))
             .enumerate()
         {
-            // The stiffness has ten digits in the file, and the curve is good to 1e-12.
+            // The file gives the stiffness with ten digits; the curve is accurate to 1e-12.
             assert!((a - b).abs() < 1e-9, "{name} in row {row}: {a} against {b}");
         }
     }
-    // The path is repeated.
+    // The output repeats the path.
     assert_eq!(column(&answer, "d1_mm"), column(&golden, "d1_mm"));
 }
 
-/// The same shear, the pressure held by stress: its opening is solved for.
+/// The same shear with the pressure prescribed by stress, so that the opening is solved for.
 #[test]
 fn a_component_is_driven_by_its_stress_column() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,12 +85,12 @@ fn a_component_is_driven_by_its_stress_column() {
         // u = σ/k_n; the tolerance over k_n is 1e-15.
         assert!((u + 0.5 / 99000.0).abs() < 1e-14, "{u}");
     }
-    // Beyond delta_k nothing but friction: μ·0.5.
+    // Beyond delta_k only friction remains: μ·0.5.
     let tau = column(&answer, "tau1_MPa");
     assert!((tau.last().unwrap() - 0.73 * 0.5).abs() < 1e-9, "{tau:?}");
 }
 
-/// Uniaxial tension with free sides gives back the table of the deck (theory/damage-plasticity.md, eq. 9, eff1).
+/// Uniaxial tension with free sides reproduces the table of the deck (theory/damage-plasticity.md, eq. 9, eff1).
 #[test]
 fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -101,7 +101,7 @@ fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let rows = rows.concat();
     let header = "eps_xx,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx\n";
     std::fs::write(&path, format!("{header}{rows}")).unwrap();
-    // The table is that of the inviscid law.
+    // The table holds for the inviscid law.
     let inviscid = ["--set", "materials.brick.viscosity=0"];
     let options = [&["--stress", "yy", "--stress", "zz"][..], &inviscid].concat();
     let output = drive(BRICK, &shear_wall(), &path, &options);
@@ -121,7 +121,7 @@ fn a_material_point_in_uniaxial_tension_follows_its_table() {
     let (strains, stresses) = (column(&answer, "eps_xx"), column(&answer, "sig_xx_MPa"));
     assert_eq!(strains.len(), 60);
     for (strain, stress) in strains.iter().zip(&stresses) {
-        // The polyline is exact for eff1 where the lateral stress is zero; it is so to 1e-10 MPa.
+        // The polyline is exact for eff1 if the lateral stress is zero; here it is zero to 1e-10 MPa.
         assert!(
             (stress - table(*strain)).abs() < 1e-9,
             "{stress} at {strain}"
@@ -152,7 +152,7 @@ fn bad_paths_exit_with_2_and_name_file_line_and_column() {
         let out = folder.path().join("out.csv");
         let output = joint(&path, &["--out", &out.display().to_string()]);
         assert_eq!(code(&output), 2);
-        // The folder's name may be wrapped in the middle: joined words lose nothing else.
+        // The folder's name may be wrapped in the middle; without blanks the words can be compared.
         let said = stderr(&output).replace(' ', "");
         assert!(said.contains(&expected.replace(' ', "")), "{said}");
         assert!(!out.exists());
@@ -176,7 +176,7 @@ fn a_point_beyond_its_strength_exits_with_3_and_keeps_the_rows_before() {
     let answer = String::from_utf8(output.stdout.clone()).unwrap();
     assert_eq!(column(&answer, "sig_MPa").len(), 2);
     let said = stderr(&output);
-    // f_t = 0.28 MPa: (0.28 - 0.2)/(0.9 - 0.2) of the way.
+    // f_t = 0.28 MPa is reached at the fraction (0.28 - 0.2)/(0.9 - 0.2).
     for part in [
         "pull.csv:4",
         "row 3",
@@ -188,7 +188,8 @@ fn a_point_beyond_its_strength_exits_with_3_and_keeps_the_rows_before() {
     }
 }
 
-/// Drives a brick of the shear wall by `rows` of the columns in `header`; exit code, answer, errors.
+/// Drives a brick of the shear wall through `rows` with the columns of `header`. Returns exit code, response and
+/// errors.
 fn brick(header: &str, rows: &[[f64; 6]], stress: &[&str]) -> (i32, String, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("path.csv");
@@ -207,8 +208,8 @@ fn brick(header: &str, rows: &[[f64; 6]], stress: &[&str]) -> (i32, String, Stri
 const STRESSES: &str = "sig_xx_MPa,sig_yy_MPa,sig_zz_MPa,sig_xy_MPa,sig_yz_MPa,sig_zx_MPa";
 const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "zx"];
 
-/// Every component driven by stress, in proportion: the strengths are those of the input. Uniaxial:
-/// the table's peaks (11.5 MPa, 3.5 MPa); biaxial: f_b0/f_c0 = 1.16 times the compressive peak.
+/// All components are prescribed by stress, in proportion. The strengths must equal those of the input. Uniaxial:
+/// the peaks of the tables (11.5 MPa, 3.5 MPa); biaxial: f_b0/f_c0 = 1.16 times the compressive peak.
 #[test]
 fn a_point_driven_by_stress_alone_ends_at_its_strength() {
     for (direction, strength) in [
@@ -237,7 +238,7 @@ fn a_point_driven_by_stress_alone_ends_at_its_strength() {
             .unwrap()
             .parse::<f64>()
             .unwrap();
-        // Seven digits are printed.
+        // The message has seven digits.
         assert!(
             (reached - direction[0] * strength).abs() < 1e-5,
             "{reached} for {direction:?}"
@@ -246,8 +247,8 @@ fn a_point_driven_by_stress_alone_ends_at_its_strength() {
     }
 }
 
-/// Shear at constant compression, the sides free: a peak, then softening, the pressure held all the
-/// way. More pressure, more shear.
+/// Shear at constant compression with free sides gives a peak, then softening, while the pressure remains
+/// constant. A higher pressure gives a higher shear strength.
 #[test]
 fn a_material_point_is_sheared_at_constant_compression() {
     let header = "sig_xx_MPa,sig_yy_MPa,sig_zz_MPa,gam_xy,gam_yz,gam_zx";
@@ -278,7 +279,7 @@ fn a_material_point_is_sheared_at_constant_compression() {
     }
 }
 
-/// The law of a point is that of its `kind`, and its outputs are columns after those of every law.
+/// The law of a point follows its `kind`, and its own outputs follow the columns that every law has.
 #[test]
 fn a_material_of_another_kind_follows_its_path() {
     let folder = tempfile::tempdir().unwrap();

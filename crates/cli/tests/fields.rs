@@ -1,4 +1,4 @@
-//! `results.vtkhdf` of runs that are killed, run out of room, or may not write.
+//! The file `results.vtkhdf` of runs that are killed, run out of disk space, or may not write.
 #![cfg(unix)]
 
 mod common;
@@ -12,7 +12,7 @@ use wythe_core::state::Frame;
 
 use common::*;
 
-/// Every frame of a file, read whole.
+/// All frames of a file.
 fn frames(out: &Path) -> Vec<Frame> {
     let file = FieldsFile::open(&out.join("results.vtkhdf")).unwrap();
     let count = file.times().len();
@@ -36,7 +36,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Kills runs at moments that have nothing to do with what they do, and reads what they leave.
+/// Runs are killed at random moments, and the files that remain are read.
 #[test]
 fn a_run_killed_at_any_moment_leaves_whole_frames() {
     let folder = tempfile::tempdir().unwrap();
@@ -59,7 +59,7 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
             std::thread::sleep(Duration::from_millis(1));
         }
         if attempt == 11 {
-            // Long enough for frames after the first to be shown, too.
+            // The run continues until a second frame can be read.
             let begun = Instant::now();
             while frames(&out).len() < 2 {
                 assert!(begun.elapsed() < Duration::from_secs(60), "none is shown");
@@ -73,11 +73,11 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
         let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
         let times = column(&history, "time");
         let frames = frames(&out);
-        // Each frame is that of its increment.
+        // Each frame belongs to its increment.
         for frame in &frames {
             assert_eq!(times[frame.increment - 1], frame.time);
         }
-        // The next run clears up what was left.
+        // The next run removes the files that remain.
         if attempt % 4 == 0 {
             let again = wythe(&["run", &couplet(), "--out", &out.display().to_string()]);
             assert_eq!(code(&again), 0, "{}", stderr(&again));
@@ -86,7 +86,7 @@ fn a_run_killed_at_any_moment_leaves_whole_frames() {
     }
 }
 
-/// Runs the couplet in a shell that first says what is not allowed.
+/// Runs the couplet in a shell with a resource limit.
 fn limited(limit: &str, out: &Path) -> std::process::Output {
     Command::new("sh")
         .arg("-c")
@@ -101,7 +101,7 @@ fn limited(limit: &str, out: &Path) -> std::process::Output {
         .unwrap()
 }
 
-/// No file may become longer than two thirds of what the fields need, as where a quota is used up.
+/// The largest file size is two thirds of that of the fields, as with an exhausted quota.
 #[test]
 fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     let folder = tempfile::tempdir().unwrap();
@@ -112,7 +112,7 @@ fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     let output = limited("true", &whole);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let all = frames(&whole);
-    // Without the signal that would kill; blocks have 512 bytes.
+    // SIGXFSZ, which would end the process, is ignored; a block has 512 bytes.
     let length = std::fs::metadata(whole.join("results.vtkhdf"))
         .unwrap()
         .len();
@@ -148,7 +148,7 @@ fn fields_that_find_no_room_are_an_error_and_earlier_frames_stay() {
     );
 }
 
-/// Not even the file's beginning finds room.
+/// Not even the beginning of the file fits.
 #[test]
 fn a_quota_that_is_used_up_is_met_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,7 +160,7 @@ fn a_quota_that_is_used_up_is_met_before_the_run() {
     assert_eq!(names(&out), [".lock", "history.csv"]);
 }
 
-/// A folder of results that may be read only. Root may write everywhere: it tries as somebody else.
+/// A read-only folder of results. Root may write everywhere, so the test then runs as another user.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_folder_that_may_only_be_read_is_an_error() {

@@ -1,4 +1,4 @@
-//! Files that are written: never through a link, never over an input.
+//! Output files are never written through a link or over an input.
 #![cfg(unix)]
 
 mod common;
@@ -15,7 +15,7 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Whatever a run writes, and what stands after the names meanwhile.
+/// Names of all files of a run, and their temporary names.
 fn names() -> Vec<String> {
     let names = OF_A_RUN.iter();
     names
@@ -23,7 +23,8 @@ fn names() -> Vec<String> {
         .collect()
 }
 
-/// Links, symbolic and hard, lie in the way of every file of a run; then the run goes on among hard links to itself.
+/// Symbolic and hard links have the names of all files of a run. Then the run continues while hard links to its
+/// own files exist.
 #[test]
 fn a_run_writes_through_no_link() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,7 +49,7 @@ fn a_run_writes_through_no_link() {
             let mine = folder.path().join(format!("mine{i}"));
             assert_eq!(text(&mine), "mine", "{name}");
         }
-        // A copy of the folder by links, as snapshots are made, keeps its bytes when the run goes on.
+        // A copy of the folder by links, as snapshots make it, keeps its bytes when the run continues.
         let copy = folder.path().join("copy");
         std::fs::create_dir(&copy).unwrap();
         let mut before = Vec::new();
@@ -118,7 +119,7 @@ fn what_commands_write_takes_the_place_of_links() {
         assert_eq!(text(&at("mine")), "mine", "{command}");
         assert!(path.symlink_metadata().unwrap().is_file(), "{command}");
     }
-    // By no force is a link followed that leads nowhere.
+    // A link to a missing file is not followed, even with `--force`.
     symlink(at("nowhere"), at("new.toml")).unwrap();
     let refused = wythe(&["new", &typed("new")]);
     assert_eq!(code(&refused), 4, "{}", stderr(&refused));
@@ -151,7 +152,7 @@ fn inputs_are_never_replaced() {
         assert!(said.contains(&format!("{name}:aresult")), "{said}");
         assert!(!at(".lock").exists() && !at("summary.json").exists());
     }
-    // Answers over what they come from.
+    // Results with the names of their own inputs.
     std::fs::write(
         at("path.csv"),
         "eps_xx,eps_yy,eps_zz,gam_xy,gam_yz,gam_zx\n1e-5,0,0,0,0,0\n",
@@ -177,7 +178,7 @@ fn inputs_are_never_replaced() {
     );
 }
 
-/// The run would write on into the file that was replaced.
+/// Otherwise the run would continue to write into the replaced file.
 #[test]
 fn the_messages_of_a_run_in_progress_are_salvaged_elsewhere_only() {
     let folder = tempfile::tempdir().unwrap();
@@ -217,7 +218,7 @@ fn the_messages_of_a_run_in_progress_are_salvaged_elsewhere_only() {
         );
     }
     assert_eq!(code(&salvaged), 0, "{}", stderr(&salvaged));
-    // Nobody holds it any more.
+    // No process holds the file any more.
     let salvaged = wythe(&["salvage", &messages]);
     assert_eq!(code(&salvaged), 0, "{}", stderr(&salvaged));
 }

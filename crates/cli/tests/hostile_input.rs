@@ -1,4 +1,4 @@
-//! Inputs that are no files, never end, or try to reach the terminal.
+//! Inputs that are not regular files, never end, or contain control characters of the terminal.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::*;
 
-/// Far more than a refusal takes, on a busy machine.
+/// Far more time than a rejection takes, on a busy machine.
 const LIMIT: Duration = Duration::from_secs(20);
 
 #[cfg(unix)]
@@ -33,7 +33,7 @@ fn devices_and_pipes_are_refused_at_once() {
         );
         assert!(begun.elapsed() < LIMIT);
     }
-    // What a deck names is read alike.
+    // Files that a deck names are read with the same checks.
     for (key, name) in [
         ("output.experiment", "zero.toml"),
         ("steps.1.amplitude", "pipe.toml"),
@@ -63,7 +63,7 @@ fn check_beside(folder: &Path, set: &[&str]) -> std::process::Output {
 fn what_a_deck_says_does_not_reach_the_terminal_as_commands() {
     let folder = tempfile::tempdir().unwrap();
     let escape = "\u{1b}]0;owned\u{7}\u{1b}[2J";
-    // A title is shown with its escapes written out.
+    // A title is printed with its control characters escaped.
     let told = check_beside(folder.path(), &["title=\"wall \\u001b[31m\\u0007\""]);
     assert_eq!(code(&told), 0, "{}", stderr(&told));
     let shown = stdout(&told);
@@ -71,7 +71,7 @@ fn what_a_deck_says_does_not_reach_the_terminal_as_commands() {
         !shown.contains('\u{1b}') && shown.contains("\\u{1b}[31m"),
         "{shown}"
     );
-    // Names of anything else are refused, and the message shows what stands there.
+    // Control characters in other names are rejected, and the message shows them escaped.
     for set in [
         "steps.0.name=\"\\u001b[31m\"".to_owned(),
         "wall.unit_material=\"\\u001b[31m\"".to_owned(),

@@ -1,4 +1,4 @@
-//! `wythe report`: the page it writes, what it prints, and its exit codes.
+//! The command `wythe report`: its page, its output and its exit codes.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::*;
 
-/// The couplet of the examples, pulled a little, in a folder of results.
+/// Runs the couplet of the examples with a small displacement. Returns its folder.
 fn run(folder: &Path) -> String {
     let out = folder.join("couplet.out").display().to_string();
     let set = "steps.1.displacement=0.01 mm";
@@ -46,11 +46,11 @@ fn a_page_is_written_into_the_folder_or_elsewhere_and_its_size_told() {
             .contains("measured 7.000 kN")
     );
 
-    // The next run does not leave the page of the last one behind.
+    // The next run removes the page of the last one.
     run(folder.path());
     assert!(!Path::new(&out).join("report.html").exists());
 
-    // A run that was killed: what is missing is told, and the page written.
+    // For a killed run the page is written and the missing parts are reported.
     std::fs::remove_file(Path::new(&out).join("summary.json")).unwrap();
     std::fs::remove_file(Path::new(&out).join("results.vtkhdf")).unwrap();
     let report = wythe(&["report", &out]);

@@ -1,4 +1,4 @@
-//! What reads results: pictures, comparisons, what is inside, and the formats of other programs.
+//! Commands that read results: pictures, comparisons, descriptions, and the formats of other programs.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use common::*;
 
-/// The couplet pulled beyond its peak, once for all tests: to 0.8 of the peak of its second step.
+/// The couplet pulled to 0.8 of the peak of its second step, run once for all tests.
 fn run() -> &'static Path {
     static RUN: OnceLock<PathBuf> = OnceLock::new();
     RUN.get_or_init(|| {
@@ -50,12 +50,12 @@ fn a_step_stops_below_its_peak_completed_and_says_so() {
     let peak = second.iter().copied().fold(0.0, f64::max);
     let (last, before) = second.split_last().unwrap();
     assert!(*last <= 0.8 * peak && before.iter().all(|f| *f > 0.8 * peak));
-    // Its last increment has a frame.
+    // The last increment has a frame.
     let output = wythe(&["info", &text(run())]);
     assert!(said(&output).contains("ends at"), "{}", said(&output));
 }
 
-/// A step that ends early is followed by the next, from where it ended.
+/// If a step ends early, the next begins from its end.
 #[test]
 fn a_step_stops_at_a_displacement_and_the_next_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -74,7 +74,8 @@ fn a_step_stops_at_a_displacement_and_the_next_goes_on() {
         column(&history, "displacement_mm"),
     );
     let first = steps.iter().filter(|s| **s == 0.0).count();
-    // At the first increment that reaches it, no larger than 0.0125 of 0.006 mm.
+    // The step ends at the first increment that reaches the displacement, which is no larger than 0.0125 of 0.006
+    // mm.
     assert!(
         (0.0015..0.0015 + 0.0125 * 0.006 + 1e-12).contains(&moved[first - 1]),
         "{}",
@@ -168,7 +169,7 @@ fn a_run_is_its_own_equal_in_text_and_json() {
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(found["ratio"]["peak_force_kN"], 1.0);
     assert_eq!(found["rms_difference_kN"], 0.0);
-    // Pulled upwards: there is no drift.
+    // The couplet is pulled upwards, so there is no drift.
     assert!(found["height_mm"].is_null());
     let output = wythe(&["compare", &text(run()), &history, "--height", "50"]);
     for part in [
@@ -301,7 +302,7 @@ fn a_run_of_an_imported_mesh_is_exported_wherever_it_lies() {
         "steps.1.displacement=0.01",
     ]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    // The mesh lies beside the deck that was run, not in the folder of the run.
+    // The mesh lies beside the original deck, not in the folder of the run.
     let output = wythe(&["export", &out, "--to", "inp"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let written = std::fs::read_to_string(folder.path().join("moved/export/model.inp")).unwrap();
@@ -338,7 +339,7 @@ fn exports_are_written_and_damaged_files_refused() {
         assert_eq!(code(&output), exit);
         assert!(stderr(&output).contains(part), "{}", stderr(&output));
     }
-    // Half a file of fields: an error that names it, nothing of a bug.
+    // For half a file of fields the error names the file and is not a bug.
     let half = folder.path().join("half.out");
     std::fs::create_dir(&half).unwrap();
     std::fs::copy(run().join("history.csv"), half.join("history.csv")).unwrap();

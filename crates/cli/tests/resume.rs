@@ -1,4 +1,4 @@
-//! A run that is killed at any moment goes on as if nothing had happened.
+//! A run that is killed at any moment and resumed gives the results of an undisturbed run.
 
 mod common;
 
@@ -12,7 +12,7 @@ use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::mcap::salvage::salvage;
 use wythe_core::results::output::CHECKPOINT;
 
-/// A small wall with a frame an increment, a second long: its joints open, its bricks crack.
+/// A small wall of one second with a frame per increment: its joints open, its bricks crack.
 const WALL: [&str; 6] = [
     "--set",
     "output.every=1",
@@ -22,7 +22,7 @@ const WALL: [&str; 6] = [
     "1",
 ];
 
-/// Runs to be killed, a name, a deck and arguments each.
+/// Runs to be killed: name, deck and arguments.
 fn runs() -> [(&'static str, String, Vec<&'static str>); 3] {
     let implex = [&WALL[..], &["--set", "steps.1.procedure=implex"]].concat();
     let block = repository("tests/stability/cases/07-rocking-block/deck.toml");
@@ -44,7 +44,7 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Numbers that do not repeat soon (splitmix64), in [0, 1).
+/// A random number generator with a long period (splitmix64); numbers in [0, 1).
 struct Random(u64);
 
 impl Random {
@@ -57,7 +57,7 @@ impl Random {
     }
 }
 
-/// Starts the command and kills it after `wait`; true if it had ended by itself before.
+/// Starts the command and kills it after `wait`. Returns true if it had ended before.
 fn killed_after(arguments: &[&str], wait: Duration) -> bool {
     let mut child = Command::new(env!("CARGO_BIN_EXE_wythe"))
         .args(arguments)
@@ -72,7 +72,7 @@ fn killed_after(arguments: &[&str], wait: Duration) -> bool {
             return true;
         }
         if Instant::now() >= end {
-            // SIGKILL where there are signals.
+            // SIGKILL on systems with signals.
             child.kill().unwrap();
             child.wait().unwrap();
             return false;
@@ -81,13 +81,13 @@ fn killed_after(arguments: &[&str], wait: Duration) -> bool {
     }
 }
 
-/// Whatever a kill has left can be read: whole rows, messages of all of them but the last, a whole checkpoint
-/// that they reach, fields as far as that.
+/// The files of a killed run can be read: complete rows, messages of all rows except the last, a complete
+/// checkpoint with its messages, and fields up to the checkpoint.
 fn opens(out: &Path) {
     let folder = RunFolder::open(out).unwrap();
     let rows = folder.history().unwrap().rows.len();
     if rows == 0 && !out.join("results.vtkhdf").exists() {
-        // Killed while the folder was made.
+        // The process was killed while it created the folder.
         return;
     }
     let fields = folder.fields().unwrap();
@@ -105,8 +105,8 @@ fn opens(out: &Path) {
     }
 }
 
-/// Topic, number, log time and data of all messages of a whole file, but for warnings: these name lines of the
-/// deck, and a run goes on with the deck in its folder.
+/// Topic, number, log time and data of all messages of a complete file. Warnings are left out: they name lines of
+/// the deck, and a resumed run reads the deck in its folder.
 fn messages(path: &Path) -> Vec<(String, u32, u64, Vec<u8>)> {
     let bytes = std::fs::read(path).unwrap();
     assert!(mcap::Summary::read(&bytes).unwrap().is_some());
@@ -122,15 +122,15 @@ fn messages(path: &Path) -> Vec<(String, u32, u64, Vec<u8>)> {
         topic != "/log" || !data.windows(warning.len()).any(|part| part == warning)
     })
     .map(|(topic, number, time, data)| {
-        // Numbers of the log count warnings, too.
+        // The numbering of the log includes warnings.
         let number = if topic == "/log" { 0 } else { number };
         (topic, number, time, data)
     })
     .collect()
 }
 
-/// Kills a run `kills` times, with seeds from `seed`, and compares what comes of it with a run that
-/// nothing has stopped.
+/// Kills a run `kills` times, with random numbers from `seed`, and compares its result with that of an undisturbed
+/// run.
 fn survives((name, deck, arguments): &(&str, String, Vec<&str>), kills: usize, seed: u64) {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole.out");
@@ -152,7 +152,7 @@ fn survives((name, deck, arguments): &(&str, String, Vec<&str>), kills: usize, s
         loop {
             let can_resume = started && out.join(CHECKPOINT).exists();
             let arguments = if can_resume { &again[..] } else { &first[..] };
-            // Now and then at once, mostly somewhere in the first third.
+            // Sometimes at once, mostly in the first third.
             let wait = alone.mul_f64(random.next().powi(2) * 0.5);
             if killed_after(arguments, wait) {
                 break;
@@ -187,7 +187,7 @@ fn survives((name, deck, arguments): &(&str, String, Vec<&str>), kills: usize, s
     println!("{name}: {done} kills in {rounds} rounds");
 }
 
-/// Four kills of each here; `tests/run-kills` says how many more, and from which seed.
+/// Each run is killed four times; `tests/run-kills` sets a larger number and the seed.
 #[test]
 fn killed_runs_go_on_to_the_same_bytes() {
     let number = |name: &str| -> Option<u64> { std::env::var(name).ok()?.parse().ok() };
@@ -198,7 +198,7 @@ fn killed_runs_go_on_to_the_same_bytes() {
     }
 }
 
-/// A couplet to its end.
+/// Runs a couplet to its end.
 fn done(folder: &Path) -> String {
     let out = folder.join("couplet.out").display().to_string();
     let output = wythe(&["run", &couplet(), "--out", &out]);
@@ -217,7 +217,7 @@ fn a_complete_run_has_nothing_to_do_until_its_last_step_is_longer() {
     assert!(String::from_utf8_lossy(&nothing.stdout).contains("nothing to do"));
     assert_eq!(text(&history), before);
 
-    // The first step leads to 0.006 mm, the second 0.25 mm farther.
+    // The first step leads to 0.006 mm, the second 0.25 mm further.
     let output = wythe(&["resume", &out, "--set", "steps.1.displacement=0.3125"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let after = text(&history);
@@ -225,7 +225,7 @@ fn a_complete_run_has_nothing_to_do_until_its_last_step_is_longer() {
     let end = column(&after, "displacement_mm").last().copied().unwrap();
     assert!((end - 0.3185).abs() < 1e-9, "{end}");
     assert!(text(&Path::new(&out).join("summary.json")).contains("\"completed\""));
-    // The deck in the folder is the longer one now.
+    // The folder now holds the longer deck.
     let nothing = wythe(&["resume", &out]);
     assert!(String::from_utf8_lossy(&nothing.stdout).contains("nothing to do"));
     let shorter = wythe(&["resume", &out, "--set", "steps.1.displacement=0.25"]);
@@ -273,12 +273,12 @@ fn what_cannot_go_on_says_why() {
         stderr(&missing)
     );
 
-    // Nothing of this has touched the results.
+    // None of these attempts has changed the results.
     std::fs::write(&checkpoint, &whole).unwrap();
     assert_eq!(code(&wythe(&["resume", &out])), 0);
 }
 
-/// The fields have the rows, too; where they are lost, the run begins anew.
+/// The fields also contain the rows; without both, the run begins anew.
 #[test]
 fn a_history_that_is_lost_is_made_anew_or_the_run_begins_anew() {
     let folder = tempfile::tempdir().unwrap();
@@ -306,7 +306,7 @@ fn a_history_that_is_lost_is_made_anew_or_the_run_begins_anew() {
     }
 }
 
-/// The checkpoint has all that the solver needs: other files that are lost are no reason to stop.
+/// The checkpoint has all data of the solver: the run continues although other files are lost.
 #[test]
 fn fields_and_messages_that_cannot_be_read_begin_anew() {
     let folder = tempfile::tempdir().unwrap();
@@ -332,10 +332,10 @@ fn fields_and_messages_that_cannot_be_read_begin_anew() {
         let messages = messages(&at("run.mcap"));
         messages.iter().filter(|(of, ..)| of == topic).count()
     };
-    // Nothing of what was done, but that it is.
+    // The new file has no messages of past steps, only log messages on the resumption.
     assert_eq!((said("/step"), said("/log")), (0, 2));
 
-    // Messages may be wanted no more, and wanted late.
+    // Messages may be switched off, and on again later.
     std::fs::remove_file(at("summary.json")).unwrap();
     let resumed = wythe(&["resume", &out, "--set", "output.mcap=false"]);
     assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
@@ -389,11 +389,11 @@ fn a_second_run_into_the_same_folder_is_refused() {
         assert_eq!(code(&refused), 4, "{}", stderr(&refused));
         assert!(stderr(&refused).contains("another run is writing"));
     }
-    // The lock goes with the process that held it.
+    // The lock ends with the process that held it.
     assert!(killed_after(&["resume", &name], Duration::from_secs(600)));
 }
 
-/// Deck, record and results are moved together; the place where the run began is gone.
+/// Deck, record and results are moved together; the original folder no longer exists.
 #[test]
 fn a_project_that_is_moved_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -420,10 +420,10 @@ fn a_project_that_is_moved_goes_on() {
     let resumed = wythe(&["resume", &out.display().to_string()]);
     assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
     assert_eq!(text(&out.join("history.csv")), wanted);
-    // Exports find the record, too.
+    // Exports find the record too.
     let export = wythe(&["export", &out.display().to_string(), "--to", "inp"]);
     assert_eq!(code(&export), 0, "{}", stderr(&export));
-    // Without its record it says where it looked.
+    // Without the record, the message names the searched folder.
     std::fs::remove_dir_all(there.join("data")).unwrap();
     std::fs::remove_file(out.join("summary.json")).unwrap();
     let lost = wythe(&["resume", &out.display().to_string()]);
@@ -435,7 +435,7 @@ fn a_project_that_is_moved_goes_on() {
     );
 }
 
-/// A record that the deck names is found from the folder of results, and missed if it has changed.
+/// A record named by the deck is found from the folder of results, and a changed record is reported.
 #[test]
 fn files_beside_the_deck_are_found_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Readers that go, disks that are full, and signals: no run is lost by any of them.
+//! Readers that stop, full disks and signals: none of them loses a run.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use common::*;
 use wythe_core::results::RunFolder;
 
-/// The command, with nobody who hears it yet.
+/// Starts the command with these streams.
 fn started(arguments: &[&str], streams: (Stdio, Stdio)) -> Child {
     Command::new(env!("CARGO_BIN_EXE_wythe"))
         .args(arguments)
@@ -31,7 +31,7 @@ fn full() -> Stdio {
         .into()
 }
 
-/// A pipe whose reader has gone before anything is written.
+/// A pipe whose reader has closed before anything is written.
 fn broken() -> Stdio {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
@@ -62,7 +62,8 @@ fn a_run_goes_on_when_standard_error_fails() {
     }
 }
 
-/// A reader of standard output that has had enough is no error, a full disk is one, and the run is whole anyway.
+/// A reader of standard output that stops is not an error, a full disk is one, and the results are complete in
+/// both cases.
 #[test]
 fn a_run_goes_on_when_standard_output_fails() {
     let folder = tempfile::tempdir().unwrap();
@@ -90,13 +91,13 @@ fn what_was_asked_for_on_standard_output_must_fit_there() {
             assert_eq!(ends(child), Some(wanted), "{asked:?}");
         }
     }
-    // Errors keep their codes where nobody hears of them.
+    // The exit codes of errors remain if the messages cannot be written.
     for (asked, wanted) in [(&["check", "no/such.toml"][..], 4), (&["run"], 2)] {
         assert_eq!(ends(started(asked, (full(), full()))), Some(wanted));
     }
 }
 
-/// Whether signals of this number are ignored by this process, and so by those it starts.
+/// Whether this process ignores signals of this number, and so do the processes that it starts.
 fn is_ignored(signal: u32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
@@ -104,7 +105,7 @@ fn is_ignored(signal: u32) -> bool {
     mask >> (signal - 1) & 1 == 1
 }
 
-/// A run of some seconds into `out`, once it has a checkpoint.
+/// Starts a run of some seconds into `out` and waits for its first checkpoint.
 fn under_way(out: &Path, before: &[&str]) -> Child {
     let model = repository("tests/stability/small_wall.toml");
     let mut command = match before {
@@ -117,7 +118,7 @@ fn under_way(out: &Path, before: &[&str]) -> Child {
     };
     let child = command
         .args(["run", &model.display().to_string(), "--threads", "1"])
-        // Ten thousand increments, were it not for the signal.
+        // Without a signal the run would take ten thousand increments.
         .args([
             "--set",
             "steps.1.increments={ initial=1e-4, max=1e-4, min=1e-9 }",
@@ -143,7 +144,7 @@ fn send(signal: &str, child: &Child) {
     assert!(sent.unwrap().success());
 }
 
-/// `timeout` and shells send their signal to a process and again to its group.
+/// `timeout` and shells send a signal to a process and again to its group.
 #[test]
 fn sigterm_and_sighup_end_a_run_after_its_increment_however_often_they_come() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +175,7 @@ fn what_runs_below_nohup_outlives_its_terminal() {
     let out = folder.path().join("nohup.out");
     let mut child = under_way(&out, &["nohup"]);
     send("HUP", &child);
-    // Some increments later it is still there.
+    // After more increments the process still runs.
     std::thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "ended by SIGHUP");
     child.kill().unwrap();

@@ -1,4 +1,4 @@
-//! Starting: templates, the schema, completions, manual pages.
+//! The first steps of a user: templates, the schema, completions, manual pages.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::*;
 
-/// Every template by name, and what makes its run short.
+/// Every template by name, with overrides that shorten its run.
 const SHORT: [(&str, &[&str]); 6] = [
     ("couplet", &["steps.1.displacement=0.01 mm"]),
     ("shear-wall", &["steps.1.displacement=0.02 mm"]),
@@ -58,7 +58,7 @@ fn a_deck_is_not_overwritten_unless_by_force() {
     let forced = wythe(&["new", &text(&deck), "--force", "--template", "arch"]);
     assert_eq!(code(&forced), 0, "{}", stderr(&forced));
     assert!(std::fs::read_to_string(&deck).unwrap().contains("[arch]"));
-    // Neither an unknown template nor no name.
+    // An unknown template and a missing name are rejected.
     let unknown = wythe(&["new", "x", "--template", "arc"]);
     assert_eq!(code(&unknown), 2);
     assert!(stderr(&unknown).contains("arch"), "{}", stderr(&unknown));
@@ -81,7 +81,7 @@ fn the_schema_is_json_and_stands_beside_a_new_deck() {
 #[test]
 fn shells_have_their_completions() {
     for (shell, parts) in [
-        // The shells of the first three complete values, too.
+        // The first three shells complete values too.
         ("bash", ["complete -F", "shear-wall"]),
         ("zsh", ["#compdef wythe", "shear-wall"]),
         ("fish", ["complete -c wythe", "shear-wall"]),
@@ -124,7 +124,7 @@ fn manual_pages_are_printed_and_written() {
     }
 }
 
-/// Whoever asks for help sees how it is typed.
+/// Every help text shows an example of the command.
 #[test]
 fn every_help_text_has_an_example() {
     for command in [
@@ -172,13 +172,13 @@ fn a_deck_is_written_around_a_mesh() {
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
-    // What is left to say is said: then it can be checked.
+    // With the missing tables added, the deck can be checked.
     let more = "\n[[supports]]\non = \"lime.BASE\"\n[[steps]]\nkind = \"drive\"\nface = \"lime.TOP\"\n\
                 direction = \"x\"\ndisplacement = \"0.1 mm\"\n";
     std::fs::write(folder.path().join("lime.toml"), text + more).unwrap();
     let output = wythe(&["check", &at("lime.toml")]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    // What the file has and a deck cannot have is left to its author.
+    // Contents of the file that a deck cannot express are left to the user.
     let odd = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                *ELEMENT,TYPE=C3D8,ELSET=E\n1,1,2,3,4,5,6,7,8\n*SURFACE,NAME=S,TYPE=NODE\n1\n\
                *MATERIAL,NAME=WOOD\n*ELASTIC,TYPE=ORTHO\n1,2,3,4,5,6,7,8\n9\n\

@@ -1,4 +1,4 @@
-//! `wythe study stability`: what it prints and writes, and its exit codes.
+//! The command `wythe study stability`: its output, its files and its exit codes.
 
 mod common;
 

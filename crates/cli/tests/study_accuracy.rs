@@ -1,4 +1,4 @@
-//! `wythe study accuracy-speed`: what it prints and writes, and its exit codes.
+//! The command `wythe study accuracy-speed`: its output, its files and its exit codes.
 
 mod common;
 
@@ -91,14 +91,14 @@ fn references_are_made_then_the_page_with_charts_and_tables() {
             "{name}"
         );
     }
-    // A part leaves the sections of the others.
+    // A study of one scene leaves the sections of the others unchanged.
     std::fs::write(&page, text.replace("It is torn.", "It was torn.")).unwrap();
     let part = accuracy(folder.path(), &["--only", "2"]);
     assert_eq!(code(&part), 0, "{}", stderr(&part));
     let text = std::fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("It was torn.").count(), 1, "{text}");
     assert_eq!(text.matches("It is torn.").count(), 1, "{text}");
-    // All sections from the tables, nothing is run; what was measured stays, and rows of peers that are none go.
+    // The page is written from the tables without runs. Measured rows remain; rows of removed peers disappear.
     let table = scenes(folder.path()).join("1/table.csv");
     let measured = std::fs::read_to_string(&table).unwrap();
     let gone = "gone,peer,1,1,1,1,NaN,1,1,NaN,NaN,1,NaN,NaN,NaN,NaN,\n";
@@ -142,7 +142,7 @@ fn short_forms_write_nothing_and_what_is_not_there_is_named() {
     );
 }
 
-/// Pushed the other way the same wall has the same curve, counted along its drive, and the same cracks.
+/// A wall pushed in the opposite direction has the same curve, counted along its drive, and the same cracks.
 #[test]
 fn a_drive_along_minus_x_has_the_curve_of_one_along_x() {
     let folder = folder(&["1", "2"]);
@@ -170,7 +170,7 @@ fn a_drive_along_minus_x_has_the_curve_of_one_along_x() {
         let largest = forth.iter().copied().fold(0.0, f64::max);
         assert!(largest > 0.1 && forth.len() == back.len());
         for (a, b) in forth.iter().zip(back) {
-            // The same iterates, mirrored: what differs is rounding.
+            // The iterates are mirrored; the differences are due to rounding.
             assert!((a - b).abs() < 1e-6 * largest, "{name}: {a} {b}");
         }
     }
@@ -215,7 +215,7 @@ fn a_model_of_ones_own_is_drafted_and_run() {
     std::fs::copy(couplet(), &model).unwrap();
     let model = model.display().to_string();
     let own = |more: &[&str]| wythe(&[&["study", "accuracy-speed", &model], more].concat());
-    // A tenth of the way, in few increments: what counts is that all of it is there.
+    // A tenth of the displacement in few increments suffices to check that all parts exist.
     let first = own(&[
         "--set",
         "steps.1.displacement=0.01",
@@ -235,14 +235,14 @@ fn a_model_of_ones_own_is_drafted_and_run() {
     ] {
         assert!(page.contains(said), "{said}: {page}");
     }
-    // The command to redo it is one that finds it.
+    // The printed command must find the scene.
     let scenes = out.join("scenes").display().to_string();
     let command = format!("`wythe study accuracy-speed --scenes {scenes} --only 1 --references`");
     assert!(page.contains(&command), "{command}: {page}");
     for name in ["chart.svg", "table.csv", "reference.csv", "pattern.txt"] {
         assert!(out.join("scenes/torn").join(name).is_file(), "{name}");
     }
-    // It is the user's from then on.
+    // From then on the scene belongs to the user and is not overwritten.
     let scene = out.join("scenes/torn/scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
     let start = text.find("[[choices]]").unwrap();
@@ -264,7 +264,7 @@ fn a_model_of_ones_own_is_drafted_and_run() {
         assert_eq!(code(&run), 2, "{more:?}");
         assert!(stderr(&run).contains(said), "{more:?}: {}", stderr(&run));
     }
-    // Its own weight has moved the probe before the load begins: so does the comparison.
+    // The self-weight has moved the probe before the load begins, so the comparison begins there.
     let strip = repository("examples/40_airbag.toml").display().to_string();
     let moved = folder.path().join("moved");
     let to = moved.display().to_string();

@@ -1,4 +1,4 @@
-//! `wythe study validation`: what it prints and writes, and its exit codes.
+//! The command `wythe study validation`: its output, its files and its exit codes.
 
 mod common;
 
@@ -37,7 +37,7 @@ y = { column = "force_kN", label = "force [kN]" }
 /// f_t × 204 × 98 mm² [kN].
 const STRENGTH: &str = "5.59776";
 
-/// A folder whose `docs/validation` has these cases on the couplet of the examples: number, strength claimed.
+/// A folder whose `docs/validation` has these cases on the couplet of the examples: number and expected strength.
 fn folder(cases: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (number, value) in cases {
@@ -58,7 +58,7 @@ fn case(folder: &Path, number: &str, value: &str) {
     std::fs::write(own.join("case.toml"), text).unwrap();
 }
 
-/// Runs the cases of `folder`, the folders of their runs beside `docs`.
+/// Runs the cases of `folder`; the folders of the runs lie beside `docs`.
 fn validation(folder: &Path, more: &[&str]) -> Output {
     let cases = cases(folder).display().to_string();
     let runs = folder.join("runs").display().to_string();
@@ -116,7 +116,7 @@ fn pages_are_written_beside_the_cases_and_a_part_leaves_the_rows_of_the_others()
         "{before}"
     );
 
-    // A claim that does not hold is told; the code is that of a study that was made.
+    // An expectation that does not hold is reported; the exit code is that of a completed study.
     case(folder.path(), "2", "7");
     let part = validation(folder.path(), &["--only", "2"]);
     assert_eq!(code(&part), 0, "{}", stderr(&part));
@@ -159,7 +159,7 @@ fn short_forms_write_nothing_unless_they_are_told_where() {
         "{}",
         stdout(&told)
     );
-    // 0.006 mm of the first step, 0.01 of the second.
+    // 0.006 mm in the first step, 0.01 mm in the second.
     let way = column(&read(out.join("1/torn.csv")), "displacement_mm");
     assert!((way[way.len() - 1] - 0.016).abs() < 1e-9, "{way:?}");
     let index = read(folder.path().join("elsewhere/validation.md"));

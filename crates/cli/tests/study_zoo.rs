@@ -1,4 +1,5 @@
-//! `wythe study zoo`: a few cheap walls as a guard of the default, and the files and messages of the command.
+//! The command `wythe study zoo`: a few cheap walls that check the defaults, and the files and messages of the
+//! command.
 
 mod common;
 
@@ -11,7 +12,7 @@ fn zoo(out: &Path, more: &[&str]) -> std::process::Output {
     wythe(&[&["study", "zoo", "--out", &out], more].concat())
 }
 
-/// The column of a table as texts.
+/// A column of a table as texts.
 fn texts(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let names = reader.headers().unwrap().clone();
@@ -45,7 +46,7 @@ fn walls_come_to_an_answer_with_closed_energies_at_a_bounded_cost() {
             "{wall}: {}",
             status[i]
         );
-        // What is promised of every wall.
+        // Requirements for every wall.
         assert!(
             energies[i].parse::<f64>().unwrap() <= 0.01,
             "{wall}: {}",
@@ -64,7 +65,7 @@ fn walls_come_to_an_answer_with_closed_energies_at_a_bounded_cost() {
     );
     assert!(out.join("walls/12.out/summary.json").exists() && out.join("solves.svg").exists());
 
-    // They are there: nothing is run again, and the page is the same one.
+    // The results exist, so no wall is run again, and the page is unchanged.
     let before = std::fs::metadata(out.join("walls/12.out/history.csv")).unwrap();
     let again = zoo(&out, &["--seeds", "12", "--limit", "120"]);
     assert_eq!(code(&again), 0, "{}", stderr(&again));
@@ -90,7 +91,7 @@ fn decks_are_written_without_a_run() {
 #[test]
 fn a_wall_whose_time_is_up_is_ended_and_told_first() {
     let folder = tempfile::tempdir().unwrap();
-    // It takes some 13 s.
+    // The wall takes about 13 s.
     let run = zoo(folder.path(), &["--seeds", "1", "--limit", "0.2"]);
     assert_eq!(code(&run), 0, "{}", stderr(&run));
     assert!(stderr(&run).contains("out_of_time"), "{}", stderr(&run));

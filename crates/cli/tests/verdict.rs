@@ -1,4 +1,4 @@
-//! A run says what happened: in its last line, in its summary, and wherever it is read again.
+//! The verdict on a run: in its last line, in its summary, and in all commands that read the run.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::process::Output;
 
 use common::*;
 
-/// Runs a deck of this text into a folder beside it.
+/// Runs a deck with this text into a folder beside it.
 fn run_text(folder: &Path, text: &str, more: &[&str]) -> (Output, PathBuf) {
     let deck = folder.join("model.toml");
     std::fs::write(&deck, text).unwrap();
@@ -38,7 +38,7 @@ fn info(out: &Path) -> String {
     said(&wythe(&["info", &out.display().to_string()]))
 }
 
-/// An arch of rigid voussoirs without its crown has no equilibrium under any part of its weight.
+/// An arch of rigid voussoirs without its keystone has no equilibrium under any part of its weight.
 #[test]
 fn an_arch_without_its_crown_collapses_and_the_run_says_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -59,15 +59,15 @@ fn an_arch_without_its_crown_collapses_and_the_run_says_so() {
     ] {
         assert!(verdict.contains(part), "{part}: {verdict}");
     }
-    // The run ends where a voussoir has fallen by its thickness of 200 mm, not at the end of the step 4.9 m below.
+    // The run ends when a voussoir has fallen by its thickness of 200 mm, not at the end of the step 4.9 m below.
     let bodies = summary["fall"]["bodies"].as_array().unwrap();
     let most = bodies[0]["moved_mm"].as_f64().unwrap();
     assert!((200.0..300.0).contains(&most), "{most}");
-    // It is its own mirror image: what falls on one side falls on the other.
+    // The arch is symmetric, so the voussoirs on both sides fall alike.
     assert!(bodies.len().is_multiple_of(2), "{bodies:?}");
     assert_eq!(last_line(&output), verdict);
     assert!(info(&out).contains(verdict), "{}", info(&out));
-    // Nothing is left to do.
+    // The run is complete.
     let again = wythe(&["resume", &out.display().to_string()]);
     assert_eq!(code(&again), 0, "{}", stderr(&again));
     assert!(said(&again).contains("nothing to do"), "{}", said(&again));
@@ -77,7 +77,7 @@ fn an_arch_without_its_crown_collapses_and_the_run_says_so() {
     assert!(page.contains("collapsed at load factor"));
 }
 
-/// A block on a table that is tilted slides from tan⁻¹ 0.5 = 26.6° of 40° on; nothing stops it.
+/// A block on a tilting table slides without end above tan⁻¹ 0.5 = 26.6° of 40°.
 #[test]
 fn a_block_that_slides_off_collapses_at_the_load_factor_at_which_it_began() {
     let folder = tempfile::tempdir().unwrap();
@@ -122,7 +122,7 @@ axis = "y"
     assert_eq!(summary["status"], "collapsed", "{summary}");
     let factor = summary["fall"]["load_factor"].as_f64().unwrap();
     let exact = 0.5_f64.atan().to_degrees() / 40.0;
-    // Increments of a hundredth of the step, or less where they were cut.
+    // The increments are a hundredth of the step, or less after cut-backs.
     assert!((factor - exact).abs() < 0.011, "{factor}, {exact}");
     assert_eq!(summary["fall"]["step"], 1);
     assert_eq!(summary["fall"]["bodies"][0]["name"], "stone");
@@ -147,7 +147,8 @@ displacement = 0.1
 free = ["y", "z"]
 "#;
 
-/// An elastic bar has no peak: no text calls its last force one, whichever way it is driven. 1 GPa · 100 mm² · 10⁻³ = 0.1 kN.
+/// An elastic bar has no peak: no text calls its last force a peak, in either direction of the drive. 1 GPa · 100
+/// mm² · 10⁻³ = 0.1 kN.
 #[test]
 fn what_still_rises_has_no_peak_and_drives_are_counted_along_their_way() {
     let mut rows = Vec::new();
@@ -195,7 +196,7 @@ fn what_still_rises_has_no_peak_and_drives_are_counted_along_their_way() {
     assert_eq!(rows[0].0.len(), rows[1].0.len());
 }
 
-/// A step that drives back from where an earlier one came is counted along the first.
+/// A step that reverses the drive of an earlier one is counted along the first.
 #[test]
 fn a_step_back_is_counted_along_the_first_drive() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,12 +209,12 @@ fn a_step_back_is_counted_along_the_first_drive() {
     let moved = column(&history, "displacement_mm");
     let most = moved.iter().copied().fold(0.0, f64::max);
     assert!((most - 0.1).abs() < 1e-9, "{moved:?}");
-    // 0.1 mm out and 0.05 mm back, in increments of 0.0125 of 0.1 mm.
+    // 0.1 mm forward and 0.05 mm back, in increments of 0.0125 of 0.1 mm.
     let end = moved.last().unwrap();
     assert!((0.0487..0.0501).contains(end), "{end}");
 }
 
-/// Of a couplet one quarter is solved; forces in messages are those of the whole, as in its history.
+/// One quarter of a couplet is solved; forces in messages are those of the whole, as in the history.
 #[test]
 fn messages_speak_of_the_whole_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -235,17 +236,17 @@ fn messages_speak_of_the_whole_scene() {
     let (steps, forces) = (column(&history, "step"), column(&history, "force_kN"));
     let second = steps.iter().zip(&forces).filter(|p| *p.0 == 1.0);
     let most = second.map(|p| *p.1).fold(0.0, f64::max);
-    // Told to a newton.
+    // The message is rounded to a newton.
     assert!((told - most).abs() <= 5.1e-4, "{told}, {most}");
     assert_eq!(summary["verdict_kind"], "peak_passed");
     assert!(log.contains("at load factor 0."), "{log}");
 }
 
-/// One definition: a run, what is read of it later and what is set beside a test have the same figures.
+/// A run, the commands that read it and its comparison with a test give the same figures by the same definitions.
 #[test]
 fn figures_are_the_same_wherever_they_are_read() {
     let folder = tempfile::tempdir().unwrap();
-    // A preload along the drive, which moves what is driven: it is no part of the curve.
+    // A preload along the drive moves the driven face but is not part of the curve.
     let text = PULLED.replace(
         "[[steps]]",
         "[[steps]]\nkind = \"preload\"\nface = \"bar.right\"\npressure = 0.2\nfree = [\"x\", \"y\", \"z\"]\n\n[[steps]]",
@@ -279,7 +280,7 @@ fn figures_are_the_same_wherever_they_are_read() {
     }
 }
 
-/// A wall that carries what presses it stands, and the run says how far it moved at most.
+/// A wall that carries its load stands, and the run reports its largest displacement.
 #[test]
 fn what_carries_its_loads_stands() {
     let folder = tempfile::tempdir().unwrap();
@@ -299,7 +300,8 @@ fn what_carries_its_loads_stands() {
     assert!(verdict.ends_with("(bar)"), "{verdict}");
 }
 
-/// A block falls by g t²/2 = 12.2625 mm in 0.05 s, however stiff it is; or the run refuses it, naming the material and its E.
+/// A block falls by g t²/2 = 12.2625 mm in 0.05 s, whatever its stiffness, or the run rejects it and names the
+/// material and its E.
 #[test]
 fn stiff_blocks_fall_or_are_refused() {
     let deck = repository("tests/data/bad/stiff_block.toml");
@@ -317,7 +319,7 @@ fn stiff_blocks_fall_or_are_refused() {
             assert_eq!(code(&output), 0, "{stiffness}: {}", stderr(&output));
             let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
             let fallen = -column(&history, "z_mm").last().unwrap();
-            // A hundred increments, the first of backward Euler: half an increment more.
+            // A hundred increments, the first by backward Euler: half an increment more.
             assert!(
                 (fallen - 12.2625).abs() < 0.01 * 12.2625,
                 "{stiffness}: {fallen}"

@@ -181,7 +181,7 @@ fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
         let mut wrong = frame(&model, 1.0);
         wrong.stress.pop();
         recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
-        // Fields are written concurrently: the next row gets the error.
+        // Fields are written concurrently, so the next row receives the error.
         recorder.take(&model, &HistoryRow::default(), None)?;
         panic!("the recorder must refuse")
     });

@@ -1,4 +1,4 @@
-//! A case of the atlas: a deck, what happens in it, and what must come out.
+//! A case of the atlas: a deck, its mechanics, and its expected results.
 
 use std::path::{Path, PathBuf};
 
@@ -10,63 +10,64 @@ use super::judge::Terms;
 use super::written::{self, CaseFile};
 use wythe_core::error::{DeckError, IoError, ModelError};
 
-/// A deck, what happens in it and why methods fail there, and what must come out.
+/// A deck, a description of its mechanics, and its expected results.
 ///
-/// A case is a folder with `case.toml`, or with `case-a.toml`, `case-b.toml` … for several of one number; `tests/stability/README.md` lists the keys.
+/// A case is a folder with `case.toml`, or with `case-a.toml`, `case-b.toml` … if several cases share a number.
+/// `tests/stability/README.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number in the atlas.
+    /// Number of the case in the atlas.
     pub number: u32,
-    /// Its letter, where several cases share a folder and a number.
+    /// Letter of the case if several cases share a folder and a number; else empty.
     pub part: String,
     /// Title.
     pub title: String,
-    /// What happens, and why methods fail here.
+    /// Mechanics of the case, and the reason why methods fail.
     pub mechanics: String,
-    /// Where the reference comes from.
+    /// Source of the reference.
     pub source: String,
-    /// The deck's file.
+    /// File of the deck.
     pub deck: PathBuf,
-    /// Steps of the deck that take the method; every one but preloads if not said.
+    /// Steps of the deck that use the method, from 0; if none are given, all except preloads.
     pub steps: Option<Vec<usize>>,
-    /// The form that the tests run.
+    /// Short form of the case, for the tests.
     pub short: Short,
-    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
+    /// Largest accepted energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
-    /// Why the energy imbalance may be another than usual.
+    /// Reason why the accepted energy imbalance differs from [`ENERGY`].
     pub why: String,
-    /// How the run must end.
+    /// Required end of the run.
     pub status: End,
-    /// Methods of its own in the place of [`METHODS`](super::METHODS); empty if those apply.
+    /// Methods of the case itself, used instead of [`METHODS`](super::METHODS); empty if those apply.
     pub methods: Vec<CaseMethod>,
-    /// What must come out; all of it.
+    /// Expected results, all of which must hold.
     pub expect: Vec<Expectation>,
 }
 
-/// How a run must end.
+/// Required end of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// All steps done.
+    /// All steps are completed.
     #[default]
     Completed,
-    /// There is no equilibrium: losing it is the right answer.
+    /// There is no equilibrium: loss of convergence is the right answer.
     NotConverged,
 }
 
-/// The form of a case that the tests run.
+/// Short form of a case, for the tests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Short {
     /// The whole case.
     Whole,
-    /// With these overrides of the deck.
+    /// The case with these overrides of the deck.
     Set(Vec<(String, String)>),
-    /// None: too long for the tests.
+    /// No short form: the case takes too long for the tests.
     None,
 }
 
 impl Short {
-    /// Adds the keys of the short form, if it is asked for; returns false if there is none.
+    /// Adds the keys of the short form if it is requested. Returns false if there is no short form.
     pub fn extend(&self, set: &mut Vec<(String, String)>, short: bool) -> bool {
         match (self, short) {
             (Self::None, true) => return false,
@@ -77,7 +78,7 @@ impl Short {
     }
 }
 
-/// A method that a case brings itself: overrides of the deck.
+/// A method that belongs to one case: overrides of the deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseMethod {
     /// Label.
@@ -86,14 +87,14 @@ pub struct CaseMethod {
     pub set: Vec<(String, String)>,
 }
 
-/// Energy imbalance that a case does not name [-].
+/// Accepted energy imbalance of a case that gives none [-].
 pub const ENERGY: f64 = 0.01;
 
 impl Case {
     /// Reads a case from its file.
     ///
     /// # Errors
-    /// [`StudyError`]: the file, its deck or a reference cannot be read, or says something impossible.
+    /// [`StudyError`]: the file, its deck or a reference cannot be read or is invalid.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
         let (text, file, folder) = written::text(path)?;
         let mut case = Self::from_str(&text, &file, folder)?;
@@ -101,7 +102,8 @@ impl Case {
         Ok(case)
     }
 
-    /// Reads a case from a text. `file` names it in errors, `folder` holds its deck and references.
+    /// Reads a case from a text. `file` is the name used in errors, `folder` the folder of its deck and
+    /// references.
     ///
     /// # Errors
     /// As [`Case::load`].
@@ -110,7 +112,7 @@ impl Case {
         case.checked(&source, folder)
     }
 
-    /// What its runs are judged by.
+    /// Criteria for the verdict on the runs of this case.
     pub fn terms(&self) -> Terms<'_> {
         Terms {
             status: self.status,
@@ -119,7 +121,7 @@ impl Case {
         }
     }
 
-    /// Number and letter.
+    /// Number and letter, such as `10b`.
     pub fn id(&self) -> String {
         format!("{}{}", self.number, self.part)
     }
@@ -129,7 +131,7 @@ impl Case {
         format!("{} {}", self.id(), self.title)
     }
 
-    /// Says nothing and expects nothing.
+    /// A case with empty texts and no expectations.
     #[cfg(test)]
     pub(super) fn empty() -> Self {
         Self {
@@ -150,7 +152,7 @@ impl Case {
     }
 }
 
-/// The letter of the case in this file, empty for `case.toml`; none if the file is no case.
+/// Letter of the case in this file, empty for `case.toml`; none if the file is not a case.
 fn part(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let part = name.strip_prefix("case")?.strip_suffix(".toml")?;
@@ -161,10 +163,10 @@ fn part(path: &Path) -> Option<String> {
     }
 }
 
-/// All cases in the folders of `folder`, by number and letter.
+/// All cases in the sub-folders of `folder`, sorted by number and letter.
 ///
 /// # Errors
-/// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
+/// [`StudyError`]: the folder cannot be read, holds no case, or a case is invalid.
 pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
     let folders = written::listed(folder)?.into_iter();
     let mut files = Vec::new();
@@ -180,10 +182,10 @@ pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
     Ok(cases)
 }
 
-/// A study that could not begin.
+/// Reason why a study cannot start.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum StudyError {
-    /// `case.toml` is wrong.
+    /// A `case.toml` is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Case(#[from] ModelError),
@@ -191,49 +193,49 @@ pub enum StudyError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Io(#[from] IoError),
-    /// The deck of a case is wrong.
+    /// The deck of a case is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deck(#[from] DeckError),
-    /// No cases.
+    /// The folder holds no cases.
     #[error("{} holds no case", .0.display())]
     #[diagnostic(help("a case is a folder with a case.toml: name the folder above them"))]
     NoCase(PathBuf),
-    /// No scenes.
+    /// The folder holds no scenes.
     #[error("{} holds no scene", .0.display())]
     #[diagnostic(help("a scene is a folder with a scene.toml: name the folder above them"))]
     NoScene(PathBuf),
-    /// A scene whose reference was not made yet.
+    /// The reference of a scene does not exist yet.
     #[error("there is no reference {}", file.display())]
     #[diagnostic(help("make it with `{command} --only {number} --references`"))]
     NoReference {
-        /// Its file.
+        /// File of the reference.
         file: PathBuf,
-        /// What runs the scenes beside it.
+        /// Command that runs the scenes of this folder.
         command: String,
         /// Number of the scene.
         number: u32,
     },
-    /// Two of the same number.
+    /// Two cases have the same number.
     #[error("{} and {} both have the number {number}", one.display(), other.display())]
     #[diagnostic(help("give one of them another number"))]
     SameNumber {
         /// The number.
         number: String,
-        /// A file.
+        /// First file.
         one: PathBuf,
-        /// Another.
+        /// Second file.
         other: PathBuf,
     },
-    /// A number or a method that is not there.
+    /// There is no case or method of this name.
     #[error("there is no {kind} `{name}`")]
     #[diagnostic(help("known: {known}"))]
     Unknown {
-        /// Case or method.
+        /// Kind of the name: case or method.
         kind: &'static str,
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// The existing names.
         known: String,
     },
 }

@@ -1,29 +1,29 @@
-//! What came of one case with one method.
+//! Result of one case with one method.
 
-/// How a case went with a method.
+/// Verdict on a case with a method.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// It ended as it should and every expectation holds; with the largest error against the
-    /// references [-], if there are any that have one.
+    /// The run ended as required and every expectation holds. Largest error against the references [-]; none if no
+    /// expectation has one.
     Completed(Option<f64>),
-    /// It ended as it should, with a wrong answer: each thing that is wrong.
+    /// The run ended as required, but with a wrong answer: a list of the errors found.
     Wrong(Vec<String>),
-    /// It lost convergence: where, and the refusal in short.
+    /// The run lost convergence: the place, and the solver's reason in short.
     Diverged(Place, String),
-    /// It took longer than it was given.
+    /// The run exceeded its time limit.
     Stopped(Place),
-    /// The method does not apply: why.
+    /// The method does not apply, for this reason.
     Inapplicable(String),
-    /// The run broke off with an error or a panic.
+    /// The run ended with an error or a panic.
     Broken(String),
 }
 
-/// How far a run came.
+/// Last point of the load history that a run reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// Step, from 0.
     pub step: usize,
-    /// Part of it that is done [-].
+    /// Completed part of the step [-].
     pub done: f64,
 }
 
@@ -33,7 +33,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What it took.
+/// Cost of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
     /// Committed increments.
@@ -42,7 +42,7 @@ pub struct Cost {
     pub iterations: usize,
     /// Cut-backs.
     pub cutbacks: usize,
-    /// CPU seconds of the thread; wall seconds where the system does not tell.
+    /// CPU time of the thread [s]; wall time if the system does not report CPU time.
     pub seconds: f64,
 }
 
@@ -51,22 +51,23 @@ pub struct Cost {
 pub struct Cell {
     /// Name of the method.
     pub method: String,
-    /// How it went.
+    /// Verdict on the run.
     pub verdict: Verdict,
-    /// What it took.
+    /// Cost of the run.
     pub cost: Cost,
-    /// Every expectation in words, as measured.
+    /// Every expectation in words, with its measured value.
     pub measured: Vec<String>,
-    /// Largest out-of-balance force of any row over the mean nodal force, all laws implicit [-].
+    /// Largest out-of-balance force of any row over the mean nodal force, with all laws implicit [-].
     pub out_of_balance: f64,
     /// Energy imbalance [-].
     pub energy: f64,
-    /// What solved its increments and how many of them, where that changed.
+    /// Procedures that solved the increments, with the number of increments of each; empty if one procedure solved
+    /// all.
     pub procedures: Vec<(String, usize)>,
 }
 
 impl Cell {
-    /// Why it is not completed, in words.
+    /// Reason in words why the cell is not completed.
     pub fn why(&self) -> Option<String> {
         match &self.verdict {
             Verdict::Completed(_) | Verdict::Stopped(_) => None,

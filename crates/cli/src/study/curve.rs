@@ -1,4 +1,4 @@
-//! A run's curve against a reference.
+//! Comparison of a run's curve with a reference.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use wythe_core::error::IoError;
 /// A point of a curve: abscissa and ordinate, in the units of their columns.
 pub type Point = [f64; 2];
 
-/// Two columns of a CSV file with a header; `#` begins a comment.
+/// Reads two columns of a CSV file with a header; `#` begins a comment.
 ///
 /// # Errors
-/// The file cannot be read, has no such column, or a field is no finite number.
+/// The file cannot be read, a column is missing, or a field is not a finite number.
 pub fn read(path: &Path, x: &str, y: &str) -> Result<Vec<Point>, IoError> {
     let wrong = |why: String| IoError {
         path: path.to_owned(),
@@ -59,16 +59,16 @@ pub fn read(path: &Path, x: &str, y: &str) -> Result<Vec<Point>, IoError> {
     Ok(points)
 }
 
-/// How far a run is from a reference [-].
+/// Difference between a run and a reference [-].
 ///
-/// Where the reference advances in x: the root mean square of the difference along the run, over the largest |y|
-/// of the reference. Where it turns back, as on a path that snaps back: the largest distance of a point of the run
-/// from the reference polyline, both axes over their ranges.
+/// If the reference advances in x, this is the root mean square of the difference along the run, divided by the
+/// largest |y| of the reference. If the reference turns back in x, as after a snap-back, it is the largest
+/// distance of a point of the run from the reference polyline, with both axes divided by their ranges.
 ///
 /// # Errors
-/// The run has fewer than two points on the stretch of the reference.
+/// Fewer than two points of the run lie in the range of the reference.
 pub fn difference(run: &[Point], reference: &[Point]) -> Result<f64, String> {
-    // By the reference alone: one measure for all methods, whichever way they take.
+    // The reference alone decides, so that all methods are measured alike.
     if advances(reference) {
         root_mean_square(run, reference)
     } else {
@@ -77,7 +77,7 @@ pub fn difference(run: &[Point], reference: &[Point]) -> Result<f64, String> {
 }
 
 fn advances(curve: &[Point]) -> bool {
-    // A pause is no return.
+    // Equal abscissae do not count as a return.
     curve.windows(2).all(|w| w[1][0] >= w[0][0]) || curve.windows(2).all(|w| w[1][0] <= w[0][0])
 }
 
@@ -99,7 +99,7 @@ fn root_mean_square(run: &[Point], reference: &[Point]) -> Result<f64, String> {
     Ok((squares / length).sqrt() / scale)
 }
 
-/// y at x, none beyond the ends.
+/// y at x by linear interpolation; none beyond the ends.
 fn interpolate(curve: &[Point], x: f64) -> Option<f64> {
     curve.windows(2).find_map(|w| {
         let [[x0, y0], [x1, y1]] = [w[0], w[1]];
@@ -125,7 +125,7 @@ fn distance(run: &[Point], reference: &[Point]) -> f64 {
         .map(scaled)
         .map(|p| {
             let to = reference.windows(2).map(|w| to_segment(p, w[0], w[1]));
-            // A NaN is far from everything.
+            // A NaN gives an infinite distance.
             to.fold(f64::INFINITY, f64::min)
         })
         .fold(0.0, f64::max)
@@ -153,9 +153,9 @@ mod tests {
     fn a_curve_is_no_distance_from_itself_and_an_offset_is_measured() {
         let off = |by: f64| RAMP.map(|[x, y]| [x, y + by]);
         assert_eq!(difference(&RAMP, &RAMP), Ok(0.0));
-        // 0.5 of 10 everywhere
+        // The difference is 0.5 everywhere, the largest ordinate 10.
         assert!((difference(&off(0.5), &RAMP).unwrap() - 0.05).abs() < 1e-15);
-        // Long intervals weigh more: half the way is right.
+        // Intervals are weighted by their length: the curve is exact over half of the range.
         let half = [[0.0, 0.0], [1.0, 10.0], [1.0, 11.0], [1.5, 6.0]];
         let expected = (0.5_f64 / 1.5).sqrt() / 10.0;
         assert!((difference(&half, &RAMP).unwrap() - expected).abs() < 1e-15);
@@ -169,9 +169,10 @@ mod tests {
         let back = [[0.0, 0.0], [2.0, 10.0], [1.0, 5.0], [3.0, 0.0]];
         assert_eq!(difference(&back, &back), Ok(0.0));
         let beside = [[0.0, 0.0], [2.0, 10.0], [1.0, 5.0], [3.0, 1.0]];
-        // Over the ranges the last leg runs by (2/3, −1/2): a point 0.1 above its end is 0.08 beside it.
+        // Divided by the ranges, the last segment has the direction (2/3, −1/2): a point 0.1 above its end is 0.08
+        // from it.
         assert!((difference(&beside, &back).unwrap() - 0.08).abs() < 1e-15);
-        // Against a reference that advances, a run that returns counts both ways.
+        // If the reference advances, a run that returns is measured on both ways.
         let there_and_back = [[0.0, 0.0], [1.0, 11.0], [0.0, 0.0]];
         let expected = (0.5_f64 * 2.0 / 2.0).sqrt() / 10.0;
         assert!((difference(&there_and_back, &RAMP).unwrap() - expected).abs() < 1e-15);

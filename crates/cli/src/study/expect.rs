@@ -1,9 +1,9 @@
-//! What is expected of a run, and how far it is from that.
+//! Expected results of a run, and their differences from the computed ones.
 
 use super::curve::{self, Point};
 use super::history::History;
 
-/// A number to be read off a run, or a curve to be followed. Columns are those of `history.csv`.
+/// Quantity of a run that is compared: a number or a curve. Columns are those of `history.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// Largest value of a column.
@@ -14,28 +14,28 @@ pub enum Measure {
     Final(String),
     /// Value of `column` where `of` first crosses `value`, linear between rows.
     At {
-        /// What is read.
+        /// Column that is read.
         column: String,
-        /// What crosses.
+        /// Column that crosses the value.
         of: String,
-        /// Its value there.
+        /// Value to cross.
         value: f64,
     },
     /// Time at which `column` first crosses `reaches`, linear between rows [s].
     When {
-        /// What crosses.
+        /// Column that crosses the value.
         column: String,
-        /// Its value there.
+        /// Value to cross.
         reaches: f64,
     },
-    /// ∫ `column` d`x` by the trapezoidal rule: kN over mm gives J.
+    /// ∫ `column` d`x` by the trapezoidal rule; kN over mm gives J.
     Area {
         /// Ordinate.
         column: String,
         /// Abscissa.
         x: String,
     },
-    /// Last value of `column` over the last value of `over`; without it over the largest magnitude of
+    /// Last value of `column` over the last value of `over`; without `over`, over the largest magnitude of
     /// `column`.
     Ratio {
         /// Numerator.
@@ -43,19 +43,19 @@ pub enum Measure {
         /// Denominator.
         over: Option<String>,
     },
-    /// Distance from a reference curve, see [`Expectation::measure`].
+    /// Difference from a reference curve, see [`Expectation::measure`].
     Curve {
         /// Abscissa.
         x: String,
         /// Ordinate.
         y: String,
-        /// The reference. `[point][x, y]`
+        /// Points of the reference. `[point][x, y]`
         reference: Vec<Point>,
     },
 }
 
 impl Measure {
-    /// Columns that it reads.
+    /// Columns read by this measure.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         let (one, other) = match self {
             Self::Peak(column)
@@ -71,62 +71,62 @@ impl Measure {
     }
 }
 
-/// The value wanted.
+/// Required value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
-    /// |value/reference − 1| at most the tolerance.
+    /// |value/reference − 1| must not exceed the tolerance: (reference, tolerance [-]).
     Relative(f64, f64),
-    /// |value − reference| at most this, in its unit.
+    /// |value − reference| must not exceed the tolerance, in the unit of the value: (reference, tolerance).
     Absolute(f64, f64),
-    /// Within these bounds.
+    /// The value must lie within these bounds, in its unit.
     Between(f64, f64),
-    /// A distance from a curve at most this [-].
+    /// The difference from a curve must not exceed this [-].
     Within(f64),
-    /// Nothing: it is measured and told. It must be a number.
+    /// No requirement: the value is only reported. It must be finite.
     Reported,
 }
 
 /// One expectation of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
-    /// Name in the case.
+    /// Name of the expectation in its case.
     pub name: String,
-    /// What is read off the run.
+    /// Measured quantity.
     pub measure: Measure,
-    /// What it should be.
+    /// Required value.
     pub wanted: Wanted,
-    /// Rows of these steps only.
+    /// Steps whose rows are read, from 0; all if none are given.
     pub steps: Option<Vec<usize>>,
-    /// Holds of the short form.
+    /// Whether the expectation applies to the short form.
     pub of_short: bool,
-    /// Holds of the full form.
+    /// Whether the expectation applies to the full form.
     pub of_full: bool,
     /// Reason for the size of the tolerance.
     pub why: String,
 }
 
-/// How a run compares with one expectation.
+/// Comparison of a run with one expectation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Value of the run; NaN where it has none.
+    /// Value of the run; NaN if the run has none.
     pub value: f64,
-    /// Relative error, or distance from the curve [-]; none of absolute ones and bounds.
+    /// Relative error, or difference from the curve [-]; none for absolute tolerances and bounds.
     pub error: Option<f64>,
     /// Whether the expectation holds.
     pub holds: bool,
-    /// In words: name, value, error.
+    /// Name, value and error in words.
     pub text: String,
 }
 
 impl Expectation {
-    /// Whether the short or the full form is to meet it.
+    /// Whether the expectation applies to the short form (`short`) or the full form.
     pub fn holds_of(&self, short: bool) -> bool {
         if short { self.of_short } else { self.of_full }
     }
 
-    /// Reads the run and compares. A reference that advances in x is compared by the root mean square of
-    /// the difference over the largest |y| of the reference, one that turns back by the largest
-    /// distance from the reference polyline, both axes over their ranges.
+    /// Measures the quantity in a run and compares it. A curve is compared as in [`curve::difference`]: by the
+    /// root mean square of the difference over the largest |y| of the reference if the reference advances in x,
+    /// and by the largest distance from the reference polyline, both axes over their ranges, if it turns back.
     pub fn measure(&self, history: &History) -> Measured {
         let name = &self.name;
         let value = match self.value(history) {
@@ -140,7 +140,7 @@ impl Expectation {
                 };
             }
         };
-        // A NaN holds nowhere.
+        // A NaN fulfils no requirement.
         let (error, holds, text) = match self.wanted {
             Wanted::Relative(reference, tolerance) => {
                 let error = value / reference - 1.0;
@@ -219,12 +219,12 @@ impl Expectation {
     }
 }
 
-/// The larger of two; a NaN wins.
+/// The larger of two numbers; NaN if one of them is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
 
-/// `column` where `of` first crosses `value` in these rows, linear from the row before.
+/// Value of `column` where `of` first crosses `value` in these rows, by linear interpolation from the row before.
 fn crossing(
     history: &History,
     rows: &[usize],
@@ -276,7 +276,7 @@ mod tests {
     use super::*;
     use wythe_core::state::HistoryRow;
 
-    /// A tent: 0, 1, 2, 1, 0 kN over 0 … 4 mm, one second a row; the last two rows are step 1.
+    /// A triangular curve: 0, 1, 2, 1, 0 kN over 0 … 4 mm, one second per row; the last two rows are step 1.
     fn tent() -> Vec<HistoryRow> {
         [0.0, 1.0, 2.0, 1.0, 0.0]
             .into_iter()

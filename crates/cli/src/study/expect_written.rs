@@ -1,4 +1,4 @@
-//! `[[expect]]` as written, and what is checked of it.
+//! The table `[[expect]]` of a file, and its checks.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ pub struct AtFile {
     value: f64,
 }
 
-/// The serde mirror of `[[expect]]`.
+/// Keys of `[[expect]]` for serde.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 // More than 15 fields: one for each key of the file.
@@ -49,7 +49,7 @@ pub struct ExpectFile {
     absolute: Option<f64>,
     min: Option<f64>,
     max: Option<f64>,
-    /// Measured and told, nothing claimed.
+    /// The value is reported without a requirement.
     #[serde(default)]
     reported: bool,
     steps: Option<Vec<usize>>,
@@ -61,16 +61,16 @@ pub struct ExpectFile {
     why: String,
 }
 
-/// Checks one `[[expect]]`.
+/// Checks one table `[[expect]]`.
 pub struct Checker<'a> {
     pub source: &'a Source,
-    /// Of the table in its file.
+    /// Path of the table in its file.
     pub path: String,
-    /// Those that the run's history has.
+    /// Columns of the run's history.
     pub columns: &'a [String],
-    /// Of the references.
+    /// Folder of the references.
     pub folder: &'a Path,
-    /// How a key is written.
+    /// Advice on the syntax of a key.
     pub advice: fn(&str) -> String,
 }
 
@@ -80,7 +80,7 @@ impl Checker<'_> {
         self.source.error(&path, message, &(self.advice)(&path))
     }
 
-    /// A column of the history.
+    /// Checks that the history has this column.
     fn column(&self, key: &str, name: Option<String>) -> Result<String, ModelError> {
         let Some(name) = name else {
             return Err(self.error(key, format!("the key `{key}` is missing")));
@@ -97,7 +97,7 @@ impl Checker<'_> {
         ))
     }
 
-    /// The expectation, if all of it makes sense.
+    /// Builds the expectation after all checks.
     pub fn expectation(&self, written: ExpectFile) -> Result<Expectation, StudyError> {
         let wanted = self.wanted(&written)?;
         self.unused(&written)?;
@@ -211,7 +211,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Keys that another `of` would read.
+    /// Rejects keys that this `of` does not read.
     fn unused(&self, written: &ExpectFile) -> Result<(), ModelError> {
         let is = |of: &[Of]| of.contains(&written.of);
         for (key, there, read) in [

@@ -1,4 +1,4 @@
-//! The rows of a run by the names of their columns.
+//! History of a run as columns of numbers.
 
 use std::collections::BTreeMap;
 
@@ -6,17 +6,17 @@ use serde_json::Value;
 
 use wythe_core::state::HistoryRow;
 
-/// Rows of `history.csv` as numbers. Columns of text are left out.
+/// Columns of `history.csv` that hold numbers.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    /// Column by name. `[row]`
+    /// Values of each column by its name. `[row]`
     columns: BTreeMap<String, Vec<f64>>,
     /// Step of each row. `[row]`
     steps: Vec<usize>,
 }
 
 impl History {
-    /// Columns of these rows, those of the probes last. A number that is not finite becomes NaN.
+    /// Columns of these rows, followed by those of the probes. A number that is not finite becomes NaN.
     pub fn new(rows: &[HistoryRow], probes: &[String]) -> Self {
         let mut history = Self::default();
         for row in rows {
@@ -39,25 +39,25 @@ impl History {
         }
     }
 
-    /// Names of the columns that hold numbers, without those of probes.
+    /// Names of the columns that hold numbers, without the probes.
     pub fn names() -> Vec<String> {
         numbers(&HistoryRow::default())
             .map(|(name, _)| name)
             .collect()
     }
 
-    /// A column; empty if there are no rows.
+    /// Values of a column; empty if there are no rows.
     pub fn column(&self, name: &str) -> &[f64] {
         self.columns.get(name).map_or(&[], Vec::as_slice)
     }
 
-    /// Rows of these steps, in order; of all without a choice.
+    /// Indices of the rows of these steps, in order; all rows if `steps` is none.
     pub fn rows(&self, steps: Option<&[usize]>) -> Vec<usize> {
         let chosen = |i: &usize| steps.is_none_or(|s| s.contains(&self.steps[*i]));
         (0..self.steps.len()).filter(chosen).collect()
     }
 
-    /// The value before row `i`: that of the row before, at rest zero.
+    /// Value in the row before row `i`; zero before the first row, where the model is at rest.
     pub fn before(&self, name: &str, i: usize) -> f64 {
         i.checked_sub(1).map_or(0.0, |k| self.column(name)[k])
     }
@@ -72,11 +72,11 @@ impl History {
     }
 }
 
-/// Fields of a row that hold numbers. JSON has no NaN and no infinity: they come as null.
+/// Fields of a row that hold numbers. JSON has neither NaN nor infinity: they appear as null.
 fn numbers(row: &HistoryRow) -> impl Iterator<Item = (String, f64)> {
     let fields = match serde_json::to_value(row) {
         Ok(Value::Object(fields)) => fields,
-        // A structure of numbers and texts is always an object.
+        // A structure of numbers and texts always becomes an object.
         _ => serde_json::Map::new(),
     };
     fields.into_iter().filter_map(|(name, value)| match value {

@@ -1,4 +1,4 @@
-//! The verdict on a run that ended.
+//! Verdict on a finished run.
 
 use super::case::End;
 use super::cell::{Place, Verdict};
@@ -6,16 +6,16 @@ use super::expect::{Expectation, Measured, percent};
 use super::history::History;
 use wythe_core::state::{HistoryRow, Status};
 
-/// A run that ended, as far as a judge needs it.
+/// Data of a finished run that the verdict depends on.
 #[derive(Clone, Debug)]
 pub struct Ended {
-    /// Its rows.
+    /// Rows of the history.
     pub rows: Vec<HistoryRow>,
     /// Columns of its probes.
     pub probes: Vec<String>,
-    /// How it ended.
+    /// Status at the end.
     pub status: Status,
-    /// What the solver says of that.
+    /// Message of the solver at the end.
     pub message: String,
     /// Tolerance of the residual. `[step]`
     pub tolerances: Vec<f64>,
@@ -24,13 +24,13 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// How far it came.
+    /// Last point of the load history that the run reached.
     pub fn place(&self) -> Place {
         let Some(row) = self.rows.last() else {
             return Place::default();
         };
         let done = row.load_factor;
-        // A whole step done: the next one gave nothing.
+        // The step is complete, and the next step has no increment yet.
         if done > 1.0 - 1e-9 && row.step + 1 < self.tolerances.len() {
             return Place {
                 step: row.step + 1,
@@ -44,18 +44,18 @@ impl Ended {
     }
 }
 
-/// What a run is judged by.
+/// Criteria for the verdict on a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a> {
-    /// How it must end.
+    /// Required end of the run.
     pub status: End,
-    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
+    /// Largest accepted energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
-    /// What must come out.
+    /// Expected results.
     pub expect: &'a [Expectation],
 }
 
-/// The verdict, and every expectation of this form as measured.
+/// Returns the verdict and the measured value of every expectation of this form.
 pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measured>) {
     let history = History::new(&run.rows, &run.probes);
     let mut wrong = Vec::new();
@@ -72,7 +72,7 @@ pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measur
             row.increment, row.residual, run.tolerances[row.step]
         ));
     }
-    // A NaN is no balance.
+    // A NaN is out of balance.
     if !matches!(
         run.energy.partial_cmp(&terms.energy),
         Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)
@@ -99,8 +99,8 @@ pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measur
     (verdict, told)
 }
 
-/// What is expected of this form as measured, and the largest error against the references; what does not hold
-/// goes to `wrong`.
+/// Measures the expectations of this form. Returns the largest error against the references and the measured
+/// values; expectations that do not hold are added to `wrong`.
 pub fn compare(
     expect: &[Expectation],
     short: bool,
@@ -122,7 +122,7 @@ pub fn compare(
     (error, told)
 }
 
-/// The refusal alone: without the place before it and the advice behind it.
+/// The solver's reason alone, without the place before it and the advice after it.
 pub(super) fn reason(message: &str) -> &str {
     let why = message
         .split_once("an increment of")
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Two increments of one step of 1 s, in balance, up to 3 kN.
+    /// Two increments of one step of 1 s, in equilibrium, up to 3 kN.
     fn run() -> Ended {
         let row = |i: usize| HistoryRow {
             increment: i,

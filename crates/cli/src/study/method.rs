@@ -1,4 +1,4 @@
-//! The methods that a case is taken through, each a few keys of a step.
+//! Methods of the atlas: each sets a few keys of a step.
 
 use super::case::Case;
 use wythe_core::deck::Deck;
@@ -7,20 +7,20 @@ use wythe_core::deck::schema::{DeckProcedure, DeckStep, StepKind};
 /// A key of a step and its value.
 type Key = (&'static str, &'static str);
 
-/// A way to solve a step.
+/// A method of solving a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     /// Name in the atlas and on the command line.
     pub name: &'static str,
-    /// What it says in a step of statics.
+    /// Keys of a static step.
     at_rest: &'static [Key],
-    /// What it says in a step of motion (`procedure = "dynamic"`); none if it is for statics only.
+    /// Keys of a dynamic step (`procedure = "dynamic"`); none if the method is for statics only.
     in_motion: Option<&'static [Key]>,
     /// Whether every material must have a density.
     needs_mass: bool,
 }
 
-/// The methods of the atlas, in its order. The one place that knows how the deck spells them.
+/// The methods of the atlas, in its order. No other place depends on their keys in the deck.
 pub const METHODS: [Method; 8] = [
     Method {
         name: "auto",
@@ -68,10 +68,10 @@ const fn still(
 }
 
 impl Method {
-    /// The overrides that make the deck of a case use this method.
+    /// Overrides that make the deck of a case use this method.
     ///
     /// # Errors
-    /// A sentence, where it does not apply.
+    /// The reason in words if the method does not apply.
     pub fn overrides(&self, case: &Case, deck: &Deck) -> Result<Vec<(String, String)>, String> {
         let massless = |m: &wythe_core::deck::schema::Material| m.density.get() <= 0.0;
         if self.needs_mass
@@ -97,7 +97,7 @@ impl Method {
     }
 }
 
-/// Whether a step takes the method.
+/// Whether a step uses the method.
 fn takes(case: &Case, index: usize, step: &DeckStep) -> bool {
     match &case.steps {
         Some(steps) => steps.contains(&index),

@@ -1,13 +1,13 @@
-//! Studies: many runs side by side, judged and told on one page.
+//! Studies: many models are run side by side, evaluated, and reported on one page.
 //!
-//! The stability atlas takes every case through every method and says which one gets through, which
-//! ends with a wrong answer, and which loses convergence, where and why.
+//! The stability atlas runs every case with every method. It reports which methods complete the case, which end
+//! with a wrong answer, and which lose convergence, where and why.
 //!
-//! [`accuracy`] sets the error of each choice that a user has beside its time.
+//! [`accuracy`] compares the error of each modelling choice with its computing time.
 //!
-//! [`validation`] sets runs beside what is known of them: tests, exact solutions, other models.
+//! [`validation`] compares results with tests, exact solutions and other models.
 //!
-//! [`zoo`] runs random walls as newcomers would, and says how many come to an answer and at which cost.
+//! [`zoo`] runs random walls with default settings and counts how many are solved, and at which cost.
 //!
 //! ```text
 //! cases/NN-name/case.toml ─▶ Case ─┐

@@ -3,11 +3,11 @@
 use std::panic::AssertUnwindSafe;
 use std::sync::Mutex;
 
-/// Does the jobs on so many threads and gives what came of each, in their order; none of those that were
-/// left when `stop` said so.
+/// Runs the jobs on this number of threads. Returns their results in the order of the jobs; none for a job that
+/// had not begun when `stop` returned true.
 ///
-/// Plain threads: a worker of a shared pool would take up another run while it waits, and its time would be
-/// nobody's.
+/// The function uses plain threads: a worker of a shared pool would take up another run while it waits, and the
+/// CPU time could not be assigned to a run.
 pub fn side_by_side<J: Send, R: Send>(
     jobs: Vec<J>,
     threads: usize,
@@ -32,15 +32,15 @@ pub fn side_by_side<J: Send, R: Send>(
     done.into_inner().unwrap_or_default()
 }
 
-/// Runs in a pool of one thread. A panic is a bug of ours, and a finding: the other runs go on.
+/// Runs in a pool of one thread. A panic is caught and returned as an error, so that the other runs continue.
 ///
 /// # Errors
-/// What the run says, why there is no pool, or what the panic said.
+/// The error of the run, the reason why there is no pool, or the message of the panic.
 pub fn on_one_thread<R: Send>(run: impl FnOnce() -> Result<R, String> + Send) -> Result<R, String> {
     on_threads(1, |pool| pool.install(run))
 }
 
-/// Gives `run` a pool of so many threads of its own. A panic as in [`on_one_thread`].
+/// Runs `run` with a pool of its own of this number of threads. A panic is handled as in [`on_one_thread`].
 ///
 /// # Errors
 /// As [`on_one_thread`].

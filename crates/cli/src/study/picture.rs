@@ -1,4 +1,4 @@
-//! The atlas as a picture: cases as rows, methods as columns, coloured by verdict.
+//! The atlas as a picture: a row per case, a column per method, coloured by verdict.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -10,7 +10,7 @@ use super::method::METHODS;
 use super::stability::Study;
 use wythe_core::results::plotting::svg;
 
-/// Width of a cell, height of a cell, width of the titles, height of the names [px].
+/// Sizes [px]: width and height of a cell, then width of the titles, height of the names, margin.
 const CELL: (i32, i32) = (118, 34);
 const TITLES: i32 = 540;
 const NAMES: i32 = 34;
@@ -29,7 +29,7 @@ type Drawn<'a> = Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBacke
 /// The atlas as SVG text.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// The message of plotters if it cannot draw.
 pub fn picture(study: &Study) -> Result<String, String> {
     let columns = columns(study);
     let most = study.rows.iter().map(|r| r.cells.len()).max().unwrap_or(0);
@@ -40,7 +40,7 @@ pub fn picture(study: &Study) -> Result<String, String> {
     })
 }
 
-/// Methods of the atlas that any case was taken through.
+/// Methods of the atlas that were run with at least one case.
 fn columns(study: &Study) -> Vec<&'static str> {
     let cells = || study.rows.iter().flat_map(|r| &r.cells);
     let used = |name: &&str| cells().any(|c| c.method == **name);
@@ -67,7 +67,7 @@ fn draw<'a>(
             HPos::Left,
         )?;
         for (k, cell) in row.cells.iter().enumerate() {
-            // Methods of the case itself stand side by side with their names.
+            // A case with its own methods shows them side by side with their names.
             let own = !row.case.methods.is_empty();
             let column = columns.iter().position(|c| *c == cell.method && !own);
             let x = MARGIN + TITLES + CELL.0 * column.unwrap_or(k) as i32;
@@ -112,7 +112,7 @@ fn text<'a>(
     root.draw_text(text, &style, at)
 }
 
-/// Colour of a cell and what is written into it.
+/// Colour and text of a cell.
 fn shown(cell: &Cell) -> (RGBColor, String) {
     let place = |p: &super::Place| format!("{}: {:.0} %", p.step, 100.0 * p.done);
     match &cell.verdict {
@@ -131,7 +131,7 @@ fn shown(cell: &Cell) -> (RGBColor, String) {
     }
 }
 
-/// What fits into a cell: the error if one is told, else the first words.
+/// Text that fits into a cell: the error if the reason gives one, else its first words.
 fn shortened(reason: &str) -> String {
     let error = reason
         .split(", ")

@@ -5,7 +5,7 @@ use super::expect::percent;
 use super::method::METHODS;
 use super::stability::{Row, Study};
 
-/// A verdict in a few words: for a cell of the table, and the terminal.
+/// A verdict in a few words, for a cell of the table and for the terminal.
 pub fn brief(cell: &Cell) -> String {
     match &cell.verdict {
         Verdict::Completed(Some(error)) => format!("completed, {}", size(*error)),
@@ -20,17 +20,17 @@ pub fn brief(cell: &Cell) -> String {
     }
 }
 
-/// A fraction as a percentage without sign.
+/// A fraction as a percentage, without a plus sign.
 fn size(error: f64) -> String {
     percent(error).trim_start_matches('+').to_owned()
 }
 
-/// What is wrong, without the numbers after the first.
+/// A reason in short: its text up to the first bracket.
 fn heading(reason: &str) -> &str {
     reason.split(" (").next().unwrap_or(reason)
 }
 
-/// The page. `picture` names its file, beside it.
+/// The page as Markdown. `picture` is the file name of the picture, which lies beside the page.
 pub fn report(study: &Study, picture: &str) -> String {
     let mut page = format!(
         "# Where each method fails\n\n\
@@ -59,7 +59,7 @@ pub fn report(study: &Study, picture: &str) -> String {
     page
 }
 
-/// Cases against methods.
+/// Appends the table of cases against methods.
 fn table(page: &mut String, study: &Study) {
     let names: Vec<&str> = METHODS
         .iter()
@@ -87,7 +87,7 @@ fn table(page: &mut String, study: &Study) {
     page.push_str("\nCases with methods of their own are in their paragraphs.\n");
 }
 
-/// The paragraph of a case.
+/// Appends the paragraph of a case.
 fn case(page: &mut String, row: &Row) {
     let case = &row.case;
     page.push_str(&format!(
@@ -127,7 +127,7 @@ fn case(page: &mut String, row: &Row) {
     }
 }
 
-/// The table of a case: verdict and cost of each method.
+/// Appends the table of a case: verdict and cost of each method.
 fn costs(page: &mut String, cells: &[Cell]) {
     page.push_str(
         "\n| Method | | increments | solves | cuts | CPU s | energies | out of balance |\n\
@@ -157,7 +157,7 @@ fn costs(page: &mut String, cells: &[Cell]) {
     }
 }
 
-/// Text within a table.
+/// Escapes a text for a cell of a table.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }

@@ -1,4 +1,4 @@
-//! A run of a study: its rows, how it ended, and what it took.
+//! A run of a study: its rows, its end and its cost.
 
 use std::io;
 use std::time::{Duration, Instant};
@@ -12,28 +12,28 @@ use wythe_core::solve::Recorder;
 use wythe_core::state::EnergyBalance;
 use wythe_core::state::{Frame, HistoryRow, Summary};
 
-/// How long a run may take, and who may stop it.
+/// Time limit of a run, and its request to stop.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Wall time, looked at after each increment.
+    /// Largest wall time, checked after each increment.
     pub limit: Duration,
-    /// Asked after each increment.
+    /// Function that returns true if the run must stop; called after each increment.
     pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// A run that ended, however it did.
+/// A finished run, whatever its status.
 pub struct Ran<R> {
     pub ended: Ended,
     pub summary: Summary,
     pub cost: Cost,
-    /// What it was recorded by.
+    /// Recorder of the run.
     pub recorder: R,
 }
 
-/// Runs a model; `recorder` gets its rows, frames and notes.
+/// Runs a model; `recorder` receives its rows, frames and notes.
 ///
 /// # Errors
-/// What broke it off, in words.
+/// The error that ended the run, in words.
 pub fn run<R: Recorder>(model: &Model, recorder: R, watch: Watch<'_>) -> Result<Ran<R>, String> {
     let (started, cpu) = (Instant::now(), usage::thread_cpu_seconds());
     let mut kept = Kept {
@@ -44,7 +44,7 @@ pub fn run<R: Recorder>(model: &Model, recorder: R, watch: Watch<'_>) -> Result<
         stop: watch.stop,
     };
     let summary = solve::run(model, &mut kept).map_err(|e| e.to_string())?;
-    // Of the CPU, where the system tells.
+    // CPU time if the system reports it, else wall time.
     let seconds = usage::thread_cpu_seconds()
         .zip(cpu)
         .map_or(started.elapsed().as_secs_f64(), |(now, then)| now - then);
@@ -68,7 +68,7 @@ pub fn run<R: Recorder>(model: &Model, recorder: R, watch: Watch<'_>) -> Result<
     })
 }
 
-/// Keeps nothing.
+/// Recorder that discards everything.
 pub struct Nowhere;
 
 impl Recorder for Nowhere {
@@ -77,7 +77,7 @@ impl Recorder for Nowhere {
     }
 }
 
-/// Keeps the rows and watches the clock.
+/// Recorder that collects the rows and checks the time limit.
 struct Kept<'a, R> {
     recorder: R,
     rows: Vec<HistoryRow>,

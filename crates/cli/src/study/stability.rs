@@ -1,4 +1,4 @@
-//! The stability atlas: every case through every method.
+//! The stability atlas: every case with every method.
 
 use std::time::Duration;
 
@@ -12,36 +12,36 @@ use wythe_core::deck::Deck;
 use wythe_core::model::Model;
 use wythe_core::state::HistoryRow;
 
-/// How the atlas is run.
+/// Options of the atlas.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Methods by name; all if empty.
+    /// Names of the methods; all if empty.
     pub methods: Vec<String>,
-    /// The short forms instead of the full ones.
+    /// Whether the short forms are run instead of the full ones.
     pub short: bool,
-    /// Wall time that a cell may take, looked at after each increment.
+    /// Largest wall time of a cell, checked after each increment.
     pub limit: Duration,
-    /// Cells at a time, each on one thread.
+    /// Number of cells at a time, each on one thread.
     pub jobs: usize,
 }
 
-/// A case with its cells.
+/// A case and its cells.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The case.
     pub case: Case,
-    /// A cell for each of its methods.
+    /// One cell for each method of the case.
     pub cells: Vec<Cell>,
 }
 
-/// An atlas.
+/// Results of the atlas.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// By number of the case.
+    /// Rows, sorted by the number of the case.
     pub rows: Vec<Row>,
-    /// Whether these are the short forms.
+    /// Whether the rows are those of the short forms.
     pub short: bool,
-    /// Whether it was stopped before its end: cells are missing.
+    /// Whether the study was stopped before its end, so that cells are missing.
     pub interrupted: bool,
 }
 
@@ -49,16 +49,16 @@ pub struct Study {
 struct Job {
     row: usize,
     method: String,
-    /// Overrides of the deck, or why the method does not apply.
+    /// Overrides of the deck, or the reason why the method does not apply.
     overrides: Result<Vec<(String, String)>, String>,
 }
 
-/// Takes cases through methods. `progress` hears of each cell as it ends, on any thread; `stop` is
-/// asked after each increment.
+/// Runs the cases with the methods. `progress` is called with each finished cell, on any thread; `stop` is called
+/// after each increment.
 ///
 /// # Errors
-/// [`StudyError`]: the deck of a case is wrong, or no case has such a method. What happens within a
-/// cell is its verdict.
+/// [`StudyError`]: the deck of a case is invalid, or no case has a method of this name. An error within a cell is
+/// its verdict.
 pub fn stability(
     cases: &[Case],
     options: &Options,
@@ -100,8 +100,7 @@ pub fn stability(
     })
 }
 
-/// The cells of a case. One with methods of its own takes those of the atlas only where they are asked
-/// for by name.
+/// Cells of a case. A case with its own methods runs methods of the atlas only if they are requested by name.
 fn jobs_of(case: &Case, row: usize, options: &Options) -> Result<Vec<Job>, StudyError> {
     let form = match &case.short {
         Short::Set(set) if options.short => set.clone(),
@@ -128,7 +127,7 @@ fn jobs_of(case: &Case, row: usize, options: &Options) -> Result<Vec<Job>, Study
         .collect())
 }
 
-/// A method that nobody has is a slip.
+/// Rejects the name of a method that no case has.
 fn known_methods(cases: &[Case], options: &Options) -> Result<(), StudyError> {
     let own = cases
         .iter()
@@ -148,7 +147,7 @@ fn known_methods(cases: &[Case], options: &Options) -> Result<(), StudyError> {
     }
 }
 
-/// Runs one cell on a thread of its own.
+/// Runs one cell on one thread.
 fn cell(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Sync)) -> Cell {
     let mut cell = Cell {
         method: job.method.clone(),
@@ -195,7 +194,7 @@ fn cell(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Sy
     cell
 }
 
-/// Procedures and their increments, in the order in which they first come; none if one solved all.
+/// Procedures and their numbers of increments, in order of first appearance; empty if one procedure solved all.
 fn procedures(rows: &[HistoryRow]) -> Vec<(String, usize)> {
     let mut counts: Vec<(String, usize)> = Vec::new();
     for row in rows {

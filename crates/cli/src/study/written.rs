@@ -1,4 +1,4 @@
-//! `case.toml` as written, and what is checked of it.
+//! The file `case.toml` of the atlas, and its checks.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use wythe_core::deck::Deck;
 use wythe_core::deck::source::Source;
 use wythe_core::error::{IoError, ModelError};
 
-/// The serde mirror of `case.toml`.
+/// Keys of `case.toml` for serde.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
@@ -36,7 +36,7 @@ pub struct CaseFile {
     expect: Vec<ExpectFile>,
 }
 
-/// The form that the tests run, as written.
+/// Short form of a case in its file.
 #[derive(Deserialize, Serialize)]
 #[serde(
     untagged,
@@ -64,7 +64,7 @@ fn deck() -> String {
     "deck.toml".to_owned()
 }
 
-/// Examples of the keys of a case.
+/// Example of each key of a case.
 const EXAMPLES: [(&str, &str); 17] = [
     ("number", "number = 1"),
     ("title", "title = \"Snap-back bar\""),
@@ -107,7 +107,7 @@ pub fn advice(path: &str) -> String {
 }
 
 impl CaseFile {
-    /// The case, if all of it makes sense.
+    /// Builds the case after all checks.
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
         let error = |path: &str, message: &str| source.error(path, message, &advice(path));
         if self.energy.is_some_and(|e| e > ENERGY) && self.why.is_empty() {
@@ -164,7 +164,7 @@ impl CaseFile {
     }
 }
 
-/// Methods of a case, each name once.
+/// Methods of a case, whose names must differ.
 fn methods(source: &Source, written: &[MethodFile]) -> Result<Vec<CaseMethod>, StudyError> {
     let mut methods: Vec<CaseMethod> = Vec::new();
     for (i, method) in written.iter().enumerate() {
@@ -182,7 +182,7 @@ fn methods(source: &Source, written: &[MethodFile]) -> Result<Vec<CaseMethod>, S
     Ok(methods)
 }
 
-/// The text of a case at `path`, the name by which errors call it and the folder that it stands in.
+/// Text of a case at `path`, its file name for errors, and its folder.
 pub(super) fn text(path: &Path) -> Result<(String, String, &Path), IoError> {
     let text =
         wythe_core::input::text(path, wythe_core::input::MOST_OF_TABLE).map_err(|why| IoError {
@@ -193,7 +193,7 @@ pub(super) fn text(path: &Path) -> Result<(String, String, &Path), IoError> {
     Ok((text, path.display().to_string(), folder))
 }
 
-/// A file as written, with the places of its keys. `advice`: how a key is written.
+/// Content of a file, and its source with the positions of the keys. `advice` gives the syntax of a key.
 pub(super) fn parsed<F: DeserializeOwned>(
     text: &str,
     file: &str,
@@ -205,7 +205,7 @@ pub(super) fn parsed<F: DeserializeOwned>(
     Ok((source, written))
 }
 
-/// Paths in a folder, sorted.
+/// Sorted paths in a folder.
 pub(super) fn listed(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
     let reading = |why| IoError {
         path: folder.to_owned(),
@@ -219,7 +219,7 @@ pub(super) fn listed(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
     Ok(paths)
 }
 
-/// The cases of these files, of which no two may have the same `id`.
+/// Reads the cases of these files; no two may have the same `id`.
 pub(super) fn gathered<C>(
     folder: &Path,
     files: &[PathBuf],
@@ -246,7 +246,7 @@ pub(super) fn gathered<C>(
     Ok(cases)
 }
 
-/// The form of the tests at `path`.
+/// Short form of a case at `path`.
 pub(super) fn short(
     source: &Source,
     path: &str,
@@ -261,7 +261,7 @@ pub(super) fn short(
     })
 }
 
-/// `KEY=VALUE` each.
+/// Splits each `KEY=VALUE`.
 pub(super) fn pairs(
     source: &Source,
     path: &str,

@@ -1,4 +1,4 @@
-//! What the tests of the command share.
+//! Helpers shared by the tests of the command.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub fn repository(path: &str) -> PathBuf {
 pub fn wythe(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_wythe"))
         .args(arguments)
-        // What is drawn does not depend on where the tests run.
+        // The drawn characters do not depend on the environment of the tests.
         .env("LC_ALL", "C.UTF-8")
         .output()
         .unwrap()

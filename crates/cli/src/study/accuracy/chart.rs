@@ -1,17 +1,18 @@
-//! The chart of a scene: error over time.
+//! Chart of a scene: error over computing time.
 
 use super::front::front;
 use super::outcome::Studied;
 use super::scene::Group;
 use wythe_core::results::plotting::{Scatter, Spot};
 
-/// Errors below this part of the uncertainty of the reference are drawn there: they are smaller by accident [-].
+/// Errors below this part of the reference's uncertainty are drawn at that value, because they are small by
+/// accident [-].
 const LEAST: f64 = 0.05;
 
-/// Errors over times as SVG text; choices without an error are left out. None if there is none with one.
+/// Errors over computing times as SVG text. Choices without an error are left out. None if no choice has an error.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// The message of plotters if it cannot draw.
 pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
     let points = studied.points();
     let floor = studied.scene.reference.uncertainty;
@@ -53,7 +54,7 @@ pub fn chart(studied: &Studied) -> Result<Option<String>, String> {
     chart.svg().map(Some)
 }
 
-/// Peers that came to the end, as a series of their own.
+/// Peers that reached the end, as a series of their own.
 fn peers(studied: &Studied) -> Vec<Spot> {
     let least = LEAST * studied.scene.reference.uncertainty;
     let peers = studied.peers().into_iter();

@@ -1,4 +1,4 @@
-//! The scene of a model: what a user of it may choose, as the text of a `scene.toml`.
+//! Draft of a `scene.toml` for a model, with the choices that its user has.
 
 use std::path::Path;
 
@@ -11,36 +11,38 @@ use super::written::{ChoiceFile, ReferenceFile, SceneFile};
 use wythe_core::deck::Deck;
 use wythe_core::deck::schema::{DeckProbe, DeckStep, StepKind};
 
-/// What a reference by refinement is not sure of, as a part of its peak: what `fidelity = "auto"` may leave of it. What a still
-/// finer mesh would change is told by the choices that have its mesh or its increments alone.
+/// Uncertainty of a reference by refinement, relative to its peak [-]: the part that `fidelity = "auto"` may
+/// neglect. The effect of a still finer mesh is estimated from the choices that share only its mesh or only its
+/// increments.
 const UNCERTAINTY: f64 = 0.005;
 
-/// A model of which no scene is made.
+/// Reason why a model has no scene.
 #[derive(Debug, Error, Diagnostic)]
 pub enum DraftError {
-    /// Nothing goes one way.
+    /// No curve of the last step advances in one direction.
     #[error("no curve of this model can be compared: {0}")]
     #[diagnostic(help(
         "the last step must drive along an axis, one way only, or steer its load by a displacement; of other models a scene.toml of your own names the columns (docs/reference/studies.md)"
     ))]
     NoCurve(&'static str),
-    /// Its text cannot be made.
+    /// The text cannot be written.
     #[error("the scene cannot be written: {0}")]
     Text(#[from] toml::ser::Error),
 }
 
-/// What is compared, as a scene says it, and where that ends.
+/// Compared columns as a scene names them, and the end of the comparison.
 struct Compared {
     x: String,
     y: String,
     to: f64,
 }
 
-/// The `scene.toml`, in `folder`, of the model in `file` with these keys said anew, on a machine of `threads` threads, which all
-/// make its reference: its last step over all that its user may choose, beside a finer mesh in half the increments.
+/// Writes the `scene.toml` in `folder` for the model in `file` with the overrides `set`. The scene compares the
+/// last step over all choices that a user has. Its reference has a finer mesh and half the increments, and is
+/// computed on `threads` threads, those of the machine.
 ///
 /// # Errors
-/// [`DraftError::NoCurve`]: its last step has no curve that goes one way.
+/// [`DraftError::NoCurve`]: the last step has no curve that advances in one direction.
 pub fn draft(
     deck: &Deck,
     file: &Path,
@@ -59,7 +61,7 @@ pub fn draft(
     };
     let reference = [refined, scaled(deck, last, 0.5)].concat();
     let choices = choices(deck, file, set, threads)?;
-    // Relative, so that both may be moved together; from one drive to another there is no way.
+    // A relative path stays valid if both files are moved together. There is none from one drive to another.
     let way = pathdiff::diff_paths(file, folder).unwrap_or_else(|| file.to_owned());
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     let draft = SceneFile {
@@ -105,7 +107,7 @@ pub fn draft(
     ))
 }
 
-/// The default and all that may be chosen instead. What the deck refuses, or says already, is none of its choices.
+/// The default and all alternatives. Choices that the deck rejects or already contains are left out.
 fn choices(
     deck: &Deck,
     file: &Path,
@@ -137,19 +139,19 @@ fn choices(
         .collect())
 }
 
-/// Keys and values as `--set` has them.
+/// Keys and values in the form of `--set`.
 fn lines(set: &[(String, String)]) -> Vec<String> {
     set.iter().map(|(k, v)| format!("{k}={v}")).collect()
 }
 
-/// Columns and range of what the last step does.
+/// Columns and range that describe the last step.
 fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
     let step = &deck.steps[last];
     if let Some(control) = &step.control {
         let of = |probe: &&DeckProbe| probe.name == control.probe;
         let probe = deck.probes.iter().find(of).map(DeckProbe::column);
         let x = probe.ok_or(DraftError::NoCurve("it has not the probe that steers it"))?;
-        // Increments end within a thousandth of the last.
+        // The last increment may end within a thousandth of the target.
         let to = 0.995 * control.displacement.get();
         return along(&x, "load_factor", [0.0, to], 1.0);
     }
@@ -168,12 +170,12 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
         way = [way[1], way[1] + sign * drive.drive()];
     }
-    // The history counts both along the drive.
+    // The history counts displacement and force along the drive.
     let sense = way[1].signum();
     along("displacement_mm", "force_kN", way.map(|x| sense * x), 1.0)
 }
 
-/// A curve along `x`, turned where that falls, of `y` times this sign.
+/// A curve of `y` times `of_y` along `x`; the sign of `x` is changed if `x` decreases.
 fn along(x: &str, y: &str, way: [f64; 2], of_y: f64) -> Result<Compared, DraftError> {
     let of_x = way[1].signum();
     let [from, to] = way.map(|x| of_x * x);
@@ -212,7 +214,7 @@ mod tests {
         let deck = Deck::load(&file, &set).unwrap();
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         let text = draft(&deck, &file, folder, &set, 2)?;
-        // What is written is read again.
+        // The written text must be readable.
         let scene = Scene::from_str(&text, "scene.toml", folder).unwrap();
         assert!(text.contains("deck = \"../../examples/"), "{text}");
         Ok(scene)
@@ -253,7 +255,7 @@ mod tests {
             keys(&scene, "projected").as_deref(),
             Some("materials.brick.crack_band=projected materials.mortar.crack_band=projected")
         );
-        // What it says already is no choice; nor is what it has not.
+        // A setting that the deck already contains is no choice, nor is one that it does not have.
         assert_eq!(keys(&scene, "penalty 50"), None);
         assert_eq!(keys(&scene, "joints x 4"), None);
         assert!(keys(&scene, "penalty 500").is_some());
@@ -269,7 +271,7 @@ mod tests {
             ("middle_mm", "load_factor")
         );
         assert_eq!(scene.range, [0.0, 9.95]);
-        // Its wall is bent: three elements through its thickness.
+        // The wall is bent: three elements through its thickness.
         assert_eq!(
             keys(&scene, "mesh finer through the thickness").as_deref(),
             Some("wall.mesh=[5,2,6]")
@@ -290,7 +292,8 @@ mod tests {
         assert_eq!(keys(&scene, "projected"), None);
     }
 
-    /// Drives along -x are counted along the drive; a probe that falls is turned, and its load still grows.
+    /// Drives along -x are counted along the drive. For a probe that falls, the sign is changed, and its load
+    /// still grows.
     #[test]
     fn curves_go_along_the_drive() {
         let signs = |name: &str, set: &[(&str, &str)]| {

@@ -1,14 +1,16 @@
-//! How far a curve is from the one that is taken for right.
+//! Differences between a curve and the reference curve.
 
 use crate::study::curve::Point;
 
-/// Intervals of a comparison, equal in x: both curves are read alike there, a coarse one along its chords.
+/// Number of intervals of a comparison, equal in x. Both curves are sampled there; coarse curves are interpolated
+/// linearly.
 const INTERVALS: usize = 2000;
 
-/// Part of the range by which a run may miss its end, or swing back: what the balance leaves open.
+/// Part of the range by which a run may miss its end or move backwards, which the tolerance of equilibrium allows
+/// [-].
 pub(super) const SLACK: f64 = 1e-6;
 
-/// The reference over a range.
+/// Reference curve over a range.
 #[derive(Clone, Debug)]
 pub struct Known {
     range: [f64; 2],
@@ -18,34 +20,36 @@ pub struct Known {
     peak: f64,
 }
 
-/// Errors of a run, all relative to the reference [-].
+/// Errors of a run relative to the reference [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Of the largest ordinate.
+    /// Error of the largest ordinate.
     pub peak: f64,
-    /// Of the area under the curve, to its end.
+    /// Error of the area under the curve, up to the end of the range.
     pub energy: f64,
-    /// Root mean square of the difference, over the reference's peak.
+    /// Root mean square of the difference over the peak of the reference.
     pub rms: f64,
 }
 
 impl Errors {
-    /// The larger one of peak and energy, by magnitude: what the chart shows. The RMS is told beside: it hangs on where a
-    /// force drops, which says little of what a structure carries.
+    /// The larger of the errors of peak and energy, by magnitude, which the chart shows. The root mean square is
+    /// listed beside it: it depends on the displacement at which a force drops, which says little about the
+    /// load-bearing capacity.
     pub fn of_chart(&self) -> f64 {
         self.peak.abs().max(self.energy.abs())
     }
 }
 
 impl Known {
-    /// The reference between two abscissae; `peak`: known better than by the largest point of the curve.
+    /// Reference between two abscissae. `peak` is the exact peak, if known better than from the points of the
+    /// curve.
     ///
     /// # Errors
-    /// In words: the curve turns back or ends before the range does, or is nowhere above zero.
+    /// In words: the curve turns back, ends before the range does, or is nowhere above zero.
     pub fn new(curve: &[Point], range: [f64; 2], peak: Option<f64>) -> Result<Self, String> {
         let curve = advancing(curve, range)?;
         let last = curve.last().map_or(0.0, |p| p[0]);
-        // A probe may have swung by that much before.
+        // A probe may have moved backwards by this distance at the start.
         let first = curve[0][0] - SLACK * (range[1] - range[0]);
         if range[0] < first || last < reached(range) {
             return Err(format!(
@@ -65,20 +69,20 @@ impl Known {
         })
     }
 
-    /// Its largest ordinate.
+    /// Largest ordinate.
     pub fn peak(&self) -> f64 {
         self.peak
     }
 
-    /// Its area over the range.
+    /// Area under the curve over the range.
     pub fn energy(&self) -> f64 {
         area(&self.samples, self.range)
     }
 
-    /// Errors of a curve, whose first point is where it starts from.
+    /// Errors of a curve, which starts at its first point.
     ///
     /// # Errors
-    /// In words: it turns back, or does not come to the end of the range.
+    /// In words: the curve turns back, or does not reach the end of the range.
     pub fn errors(&self, curve: &[Point]) -> Result<Errors, String> {
         let curve = advancing(curve, self.range)?;
         let last = curve.last().map_or(0.0, |p| p[0]);
@@ -104,7 +108,7 @@ fn reached([from, to]: [f64; 2]) -> f64 {
     to - SLACK * (to - from)
 }
 
-/// The points in order; of those at one place the last, as of the rows of a preload.
+/// Points in order. Of several points at one abscissa the last is kept, as for the rows of a preload.
 fn advancing(curve: &[Point], [from, to]: [f64; 2]) -> Result<Vec<Point>, String> {
     let mut points: Vec<Point> = Vec::new();
     for point in curve {
@@ -113,7 +117,7 @@ fn advancing(curve: &[Point], [from, to]: [f64; 2]) -> Result<Vec<Point>, String
         }
         match points.last_mut() {
             Some(last) if point[0] == last[0] => *last = *point,
-            // At rest a probe may swing about zero.
+            // At rest a probe may move about zero within the tolerance of equilibrium.
             Some(last) if point[0] < last[0] && last[0] - point[0] <= SLACK * (to - from) => {
                 last[1] = point[1];
             }
@@ -129,7 +133,7 @@ fn advancing(curve: &[Point], [from, to]: [f64; 2]) -> Result<Vec<Point>, String
     Ok(points)
 }
 
-/// Largest ordinate of the points up to the end of the range, and there.
+/// Largest ordinate of the points up to the end of the range, including the interpolated end.
 fn largest(curve: &[Point], samples: &[f64], range: [f64; 2]) -> f64 {
     let within = curve.iter().filter(|p| p[0] <= range[1]).map(|p| p[1]);
     within
@@ -137,7 +141,7 @@ fn largest(curve: &[Point], samples: &[f64], range: [f64; 2]) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Ordinates at equal distances, linear between the points.
+/// Ordinates at equal distances, by linear interpolation.
 fn samples(curve: &[Point], [from, to]: [f64; 2]) -> Vec<f64> {
     let mut after = 1;
     let at = |i: usize| {
@@ -151,7 +155,7 @@ fn samples(curve: &[Point], [from, to]: [f64; 2]) -> Vec<f64> {
     (0..=INTERVALS).map(at).collect()
 }
 
-/// Trapezoidal rule.
+/// Area by the trapezoidal rule.
 fn area(samples: &[f64], [from, to]: [f64; 2]) -> f64 {
     let ends = 0.5 * (samples[0] + samples[samples.len() - 1]);
     (samples.iter().sum::<f64>() - ends) * (to - from) / INTERVALS as f64
@@ -170,7 +174,7 @@ mod tests {
     #[test]
     fn a_curve_has_no_error_against_itself_and_others_have_theirs() {
         let errors = known([0.0, 2.0]).errors(&RAMP).unwrap();
-        // Both are sampled alike.
+        // Both curves are sampled at the same abscissae.
         assert_eq!(
             errors,
             Errors {
@@ -181,14 +185,15 @@ mod tests {
         );
         let scaled = RAMP.map(|[x, y]| [x, 1.1 * y]);
         let errors = known([0.0, 2.0]).errors(&scaled).unwrap();
-        // Rounding, and of the mean square of a ramp (1/3) the trapezoidal rule's 1/(6 · 1000²) each way.
+        // Tolerances: rounding; and for the mean square of a ramp (1/3) the error 1/(6 · 1000²) of the trapezoidal
+        // rule on each side.
         assert!((errors.peak - 0.1).abs() < 1e-12 && (errors.energy - 0.1).abs() < 1e-12);
         assert!(
             (errors.rms - 0.1 / 3.0_f64.sqrt()).abs() < 1e-7,
             "{errors:?}"
         );
         assert_eq!(errors.of_chart(), errors.peak.max(errors.energy));
-        // Its peak lies between two points of a coarse run.
+        // The peak of the reference lies between two points of a coarse run.
         let coarse = [[0.0, 0.0], [0.8, 8.0], [1.6, 4.0], [2.0, 0.0]];
         let errors = known([0.0, 2.0]).errors(&coarse).unwrap();
         assert!((errors.peak + 0.2).abs() < 1e-12, "{errors:?}");
@@ -217,11 +222,11 @@ mod tests {
         let beyond = Known::new(&RAMP, [0.0, 3.0], None).unwrap_err();
         assert!(beyond.contains("from 0 to 2"), "{beyond}");
         assert!(Known::new(&[[0.0, 0.0], [1.0, 0.0]], [0.0, 1.0], None).is_err());
-        // What swings back by less than can be told counts where it was.
+        // A point that moves backwards by less than the slack counts at the abscissa before it.
         let swung = [&[[0.0, 0.0], [1e-7, 0.0], [-1e-7, 0.0]][..], &RAMP[1..]].concat();
         assert!(known.errors(&swung).unwrap().energy.abs() < 1e-6);
         assert!(why(&[[0.0, 0.0], [1e-3, 0.0], [0.0, 0.0], [2.0, 0.0]]).contains("turns back"));
-        // Of the rows of a preload, all at one place, the last counts.
+        // Of the rows of a preload, all at one abscissa, the last counts.
         let rows = [&[[0.0, 5.0], [0.0, 0.0]][..], &RAMP[1..]].concat();
         assert_eq!(known.errors(&rows).unwrap().energy, 0.0);
     }

@@ -1,11 +1,11 @@
-//! Which choices no other one beats, in error and time.
+//! Pareto front of the choices in error and computing time.
 
 use super::errors::Errors;
 
-/// How much less time makes another choice the better one where both are as accurate [-].
+/// Ratio of computing times below which another choice of the same accuracy is better [-].
 pub const FASTER: f64 = 0.8;
 
-/// Median; of an even number the mean of the two in the middle. None of nothing.
+/// Median; for an even number of values the mean of the middle two; none if there are no values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -18,8 +18,9 @@ pub fn median(values: &[f64]) -> Option<f64> {
     })
 }
 
-/// The Pareto front of points of time and error, fastest first: each is more accurate than all that are as fast.
-/// Errors below `floor`, the uncertainty of the reference, are equal. A NaN is on no front.
+/// Indices of the Pareto front of points (time, error), fastest first: each is more accurate than all points that
+/// are as fast or faster. Errors below `floor`, the uncertainty of the reference, count as equal. A NaN is never
+/// on the front.
 pub fn front(points: &[(f64, f64)], floor: f64) -> Vec<usize> {
     let key = |i: usize| (points[i].0, points[i].1.max(floor));
     let finite = |i: &usize| points[*i].0.is_finite() && points[*i].1.is_finite();
@@ -38,9 +39,9 @@ pub fn front(points: &[(f64, f64)], floor: f64) -> Vec<usize> {
     order
 }
 
-/// The fastest of those that are as accurate as choice `of`, in both peak and energy, and take at most [`FASTER`] of its
-/// time: what is nearer in one by being farther in the other is not as accurate. Errors below `floor` are equal; none: the run
-/// did not come to its end.
+/// The fastest choice that is at least as accurate as choice `of` in both peak and energy, and takes at most
+/// [`FASTER`] of its time. Errors below `floor` count as equal. An error of none means that the run did not reach
+/// its end.
 pub fn beaten(times: &[f64], errors: &[Option<Errors>], of: usize, floor: f64) -> Option<usize> {
     let sizes = |errors: Errors| [errors.peak, errors.energy].map(f64::abs);
     let bounds = sizes(errors[of]?).map(|error| error.max(floor));
@@ -74,10 +75,10 @@ mod tests {
             (3.0, f64::NAN),
         ];
         assert_eq!(front(&points, 0.0), [1, 0, 3]);
-        // What the reference cannot tell apart is no better.
+        // Errors that the reference cannot distinguish do not make a choice better.
         assert_eq!(front(&points, 0.02), [1, 0]);
         assert_eq!(front(&[], 0.0), [0; 0]);
-        // Every point off the front is beaten by one on it.
+        // Every point off the front is exceeded by one on it.
         let on = front(&points, 0.0);
         for (time, error) in points.iter().filter(|p| p.1.is_finite()) {
             assert!(
@@ -90,22 +91,22 @@ mod tests {
     #[test]
     fn a_choice_is_beaten_by_one_as_accurate_in_both_and_a_fifth_faster() {
         let of = |peak, energy| {
-            let rms = f64::NAN; // is not asked
+            let rms = f64::NAN; // is not read
             Some(Errors { peak, energy, rms })
         };
         let times = [1.0, 0.85, 0.7, 0.75, 0.6, 0.5, 0.4];
         let errors = [
             of(0.01, -0.02),
             of(0.001, 0.001), // not a fifth faster
-            of(0.02, 0.01),   // farther in its peak
+            of(0.02, 0.01),   // larger error of the peak
             of(-0.01, 0.02),
-            of(0.0, 0.03), // farther in its energy
-            None,          // came to no end
+            of(0.0, 0.03), // larger error of the energy
+            None,          // did not reach the end
             of(f64::NAN, 0.0),
         ];
         assert_eq!(beaten(&times, &errors, 0, 0.0), Some(3));
         assert_eq!(beaten(&times[..3], &errors[..3], 0, 0.0), None);
-        // Below what the reference tells apart, a larger error is none.
+        // Below the uncertainty of the reference, a larger error counts as equal.
         assert_eq!(beaten(&times, &errors, 0, 0.02), Some(2));
         assert_eq!(beaten(&times, &errors, 0, 0.03), Some(4));
         assert_eq!(beaten(&times, &errors, 5, 0.03), None);

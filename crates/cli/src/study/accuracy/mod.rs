@@ -1,4 +1,4 @@
-//! Accuracy against speed: one scene over the choices that a user has, error against time.
+//! Accuracy against speed: one scene with each of the choices that a user has, error against computing time.
 //!
 //! ```text
 //!                             a model ─▶ draft ─▶ scene.toml

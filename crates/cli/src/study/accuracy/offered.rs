@@ -1,4 +1,4 @@
-//! What may be chosen of a model: its meshes, joints, steps.
+//! Choices for any model: meshes, joints, steps.
 
 use super::scene::{Choice, Group};
 use wythe_core::deck::Deck;
@@ -7,17 +7,17 @@ use wythe_core::deck::schema::{DeckProcedure, Interface, Wall};
 /// Keys of the deck and their values.
 type Set = Vec<(String, String)>;
 
-/// A mesh in the deck: its key, and how many elements each side has.
+/// A mesh in the deck: its key, and the number of elements along each side.
 struct Mesh {
     key: String,
     sides: [u32; 3],
-    /// Of a wall, which says its height before its thickness.
+    /// Whether it is the mesh of a wall, whose key gives the height before the thickness.
     of_wall: bool,
-    /// Whether one of the elements is the joint's. `[side]`
+    /// Whether one of the elements along a side belongs to the mortar joint. `[side]`
     joint: [bool; 3],
 }
 
-/// All meshes that the deck says or means.
+/// All meshes of the deck, including default ones.
 fn meshes(deck: &Deck) -> Vec<Mesh> {
     let of_wall = |key: String, wall: &Wall| Mesh {
         key,
@@ -47,7 +47,7 @@ fn meshes(deck: &Deck) -> Vec<Mesh> {
     wall.chain(walls).chain(blocks).chain(arch).collect()
 }
 
-/// Twice as many elements along this side.
+/// Number of elements of a mesh twice as fine along this side; the joint keeps one.
 fn finer(mesh: &Mesh, side: usize) -> u32 {
     let n = mesh.sides[side];
     if mesh.joint[side] && n > 1 {
@@ -57,7 +57,7 @@ fn finer(mesh: &Mesh, side: usize) -> u32 {
     }
 }
 
-/// Half as many.
+/// Number of elements of a mesh half as fine along this side; the joint keeps one.
 fn coarser(mesh: &Mesh, side: usize) -> u32 {
     let n = mesh.sides[side];
     if mesh.joint[side] && n > 1 {
@@ -84,7 +84,7 @@ pub fn refined(deck: &Deck) -> Set {
     mesh_of(&meshes(deck), finer)
 }
 
-/// The increments of a step times this.
+/// Increments of a step multiplied by `by`.
 pub fn scaled(deck: &Deck, step: usize, by: f64) -> Set {
     let now = deck.steps[step].increments();
     let [initial, max] = [now.initial, now.max].map(|size| (by * size).min(1.0));
@@ -94,13 +94,14 @@ pub fn scaled(deck: &Deck, step: usize, by: f64) -> Set {
     ]
 }
 
-/// Without what rounding adds.
+/// A number without the digits that rounding adds.
 fn number(x: f64) -> String {
     let rounded = format!("{x:.6e}").parse().unwrap_or(x);
     f64::to_string(&rounded)
 }
 
-/// What may be chosen of any model, over its last step; of this one, what it does not refuse.
+/// Choices for any model that concern solids, contact, joints, threads and the step `last`. The deck may reject
+/// some of them.
 pub fn offered(deck: &Deck, last: usize) -> Vec<Choice> {
     let solids = solids(deck).into_iter();
     let points = [
@@ -125,7 +126,7 @@ fn one(key: &str, value: &str) -> Set {
     vec![(key.to_owned(), value.to_owned())]
 }
 
-/// Elements, meshes and bands of cracks.
+/// Formulations of elements, meshes and crack bands.
 fn solids(deck: &Deck) -> Vec<Choice> {
     let formulation = |name: &str| {
         let set = one("element.formulation", name);
@@ -159,7 +160,7 @@ fn solids(deck: &Deck) -> Vec<Choice> {
     all
 }
 
-/// Stiffness of the joints: over that of what they join, or as it is said.
+/// Stiffnesses of the joints, as a multiple of that of the joined bodies, or scaled if the deck gives values.
 fn joints(deck: &Deck) -> Vec<Choice> {
     let key = |name: &str, of: &str| format!("interfaces.{name}.{of}");
     let over = |factor: f64| {
@@ -208,7 +209,7 @@ fn step(deck: &Deck, step: usize) -> Vec<Choice> {
     all
 }
 
-/// Of solids that are elastic anyway, `elastic` is no choice.
+/// Levels of detail. `elastic` is no choice for solids that are elastic anyway.
 fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
     let cracks = deck.materials.values().any(|m| !m.tension.is_empty());
     let names = ["full", "elastic"].into_iter();
@@ -221,7 +222,7 @@ fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
 mod tests {
     use super::*;
 
-    /// One of the elements along and up is the joint's, and stays one, where there are joints.
+    /// In joints with mortar, one element along the length and the height belongs to the joint, and remains one.
     #[test]
     fn finer_and_coarser_meshes_keep_joints_and_cut_dry_stones() {
         let of = |name: &str, side: fn(&Mesh, usize) -> u32| {

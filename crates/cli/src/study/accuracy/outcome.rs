@@ -1,4 +1,4 @@
-//! Runs scenes over their choices, by turns.
+//! Runs scenes with their choices, in alternation.
 
 use std::time::{Duration, Instant};
 
@@ -21,64 +21,65 @@ use wythe_core::results::usage;
 use wythe_core::solve::Recorder;
 use wythe_core::state::{Frame, HistoryRow, Status};
 
-/// How scenes are run.
+/// Options of the study.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The short forms instead of the full ones.
+    /// Whether the short forms are run instead of the full ones.
     pub short: bool,
-    /// Wall time that a run may take, looked at after each increment.
+    /// Largest wall time of a run, checked after each increment.
     pub limit: Duration,
-    /// Runs at a time. More than one disturb each other's times.
+    /// Number of runs at a time. More than one disturb each other's times.
     pub jobs: usize,
-    /// How often each choice is run: all once, then all again.
+    /// Number of runs of each choice: all choices once, then all again.
     pub repeats: usize,
 }
 
-/// What came of a choice.
+/// Result of a choice.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The choice.
     pub choice: Choice,
-    /// Errors against the reference, or why there are none: the run ended early, or broke.
+    /// Errors against the reference, or the reason why there are none: the run ended early or failed.
     pub errors: Result<Errors, String>,
-    /// Overlap of its crack pattern with that of the reference [-]; none where one of them is missing.
+    /// Overlap of the crack pattern with that of the reference [-]; none if one of them is missing.
     pub cracks: Option<f64>,
-    /// Largest ordinate of the run, in units of its column; NaN of a run that broke.
+    /// Largest ordinate of the run, in the unit of its column; NaN if the run failed.
     pub peak: f64,
-    /// Increments, solves and cut-backs.
+    /// Numbers of increments, solves and cut-backs.
     pub cost: Cost,
     /// Energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
-    /// CPU seconds of all threads of the run; wall seconds where the system does not tell. `[repeat]`
+    /// CPU seconds of all threads of the run; wall seconds if the system does not report CPU time. `[repeat]`
     pub cpu: Vec<f64>,
     /// Wall seconds. `[repeat]`
     pub wall: Vec<f64>,
 }
 
-/// A scene with what came of its choices.
+/// A scene with the results of its choices.
 #[derive(Clone, Debug)]
 pub struct Studied {
     /// The scene.
     pub scene: Scene,
-    /// Whether these are the short forms.
+    /// Whether the results are those of the short forms.
     pub short: bool,
-    /// By choice; those without the form that was asked for are missing, and those that were not begun.
+    /// Results in the order of the choices. Choices without the requested form, or that were not begun, are
+    /// missing.
     pub outcomes: Vec<Outcome>,
-    /// On what and how the times were taken, in words.
+    /// Machine and procedure of the time measurement, in words.
     pub sitting: String,
 }
 
-/// What it was run on.
+/// Machine of the runs.
 #[derive(Clone, Debug, PartialEq)]
 struct Machine {
-    /// Name of the processor, where the system tells it.
+    /// Name of the processor, if the system reports it.
     processor: Option<String>,
-    /// Threads that it has for us.
+    /// Number of threads available to this process.
     threads: usize,
 }
 
 impl Machine {
-    /// This one.
+    /// The machine of this process.
     fn this() -> Self {
         let told = std::fs::read_to_string("/proc/cpuinfo");
         Self {
@@ -108,13 +109,13 @@ impl Outcome {
 }
 
 impl Studied {
-    /// The outcome of the default; none if it was not run.
+    /// Result of the default; none if it was not run.
     pub fn default(&self) -> Option<&Outcome> {
         let mut all = self.outcomes.iter();
         all.find(|o| o.choice.group == Group::Default)
     }
 
-    /// CPU and wall time over those of the default; NaN without it. `[outcome][cpu, wall]`
+    /// CPU and wall time over those of the default; NaN without the default. `[outcome][cpu, wall]`
     pub fn ratios(&self) -> Vec<[f64; 2]> {
         let times = |o: &Outcome| [o.cpu_seconds(), o.wall_seconds()];
         let of_default = self.default().map_or([f64::NAN; 2], times);
@@ -122,14 +123,14 @@ impl Studied {
         self.outcomes.iter().map(ratio).collect()
     }
 
-    /// The scene's peers with their errors; none of a short form.
+    /// Peers of the scene with their errors; none in the short form.
     pub fn peers(&self) -> Vec<(&Peer, Result<Errors, String>)> {
         let peers = self.scene.peers.iter().filter(|_| !self.short);
         let errors = |peer: &Peer| peer.errors(&self.scene.known(false)?);
         peers.map(|peer| (peer, errors(peer))).collect()
     }
 
-    /// CPU time over the default's and the error of the chart; NaN where there is none. `[outcome]`
+    /// CPU time over that of the default, and error for the chart; NaN if there is none. `[outcome]`
     pub fn points(&self) -> Vec<(f64, f64)> {
         let ratios = self.ratios().into_iter().zip(&self.outcomes);
         let error = |o: &Outcome| o.errors.as_ref().map_or(f64::NAN, Errors::of_chart);
@@ -137,8 +138,9 @@ impl Studied {
     }
 }
 
-/// Runs the scenes one after the other. `progress` hears of each run as it ends, on any thread, with its number of the repeat, from
-/// 1; `stop` is asked after each increment, and what has not begun then is missing.
+/// Runs the scenes one after the other. `progress` is called with each finished run and the number of its repeat,
+/// from 1, on any thread. `stop` is called after each increment; runs that have not begun when it returns true are
+/// missing.
 pub fn study(
     scenes: &[Scene],
     options: &Options,
@@ -180,8 +182,9 @@ pub fn study(
     all.filter(|s| !s.outcomes.is_empty()).collect()
 }
 
-/// The choices in the order of round `r`, from 1, of so many: each time begun elsewhere and the other way round, for what ran
-/// before a run (another number of threads, a larger mesh) tells on its time by up to a tenth.
+/// Choices in the order of round `r`, from 1, of `rounds`. Each round starts at another choice, and every second
+/// one runs backwards, because the run before (on other threads, or with a larger mesh) changes the time of a run
+/// by up to a tenth.
 fn round<'c>(
     choices: &[&'c Choice],
     r: usize,
@@ -197,7 +200,7 @@ fn round<'c>(
     turn.into_iter()
 }
 
-/// How the times were taken.
+/// Description of the time measurement.
 fn sitting(options: &Options, machine: &Machine) -> String {
     let processor = machine.processor.as_deref();
     let processor = processor.unwrap_or("an unnamed processor");
@@ -250,7 +253,7 @@ fn outcome(
             let curve = curve(scene, choice, &solved.ended);
             outcome.peak = curve.iter().map(|p| p[1]).fold(f64::NAN, f64::max);
             outcome.errors = errors(scene, options.short, &curve, &solved.ended);
-            // Of what ended early there is none at the end.
+            // A run that ended early has no pattern at the end of the range.
             let cracked = solved.pattern.filter(|_| outcome.errors.is_ok());
             outcome.cracks = cracked
                 .zip(pattern)
@@ -266,7 +269,7 @@ fn outcome(
 
 fn errors(scene: &Scene, short: bool, curve: &[Point], ended: &Ended) -> Result<Errors, String> {
     let errors = scene.known(short)?.errors(curve);
-    // What comes to the end of the comparison has its errors, however it ended behind it.
+    // A run that reached the end of the comparison has errors, however it ended afterwards.
     errors.map_err(|why| match ended.status {
         Status::Completed => why,
         Status::Collapsed => format!("{why}: {}", ended.message),
@@ -275,7 +278,8 @@ fn errors(scene: &Scene, short: bool, curve: &[Point], ended: &Ended) -> Result<
     })
 }
 
-/// The curve of a run, from where its steps begin: from rest unless the scene leaves out the first. `[point][x, y]`
+/// Curve of a run from the start of the compared steps: from rest, or from the last row before them. `[point][x,
+/// y]`
 pub(super) fn curve(scene: &Scene, choice: &Choice, ended: &Ended) -> Vec<Point> {
     let history = History::new(&ended.rows, &ended.probes);
     let rows = history.rows(scene.steps.as_deref());
@@ -290,18 +294,18 @@ pub(super) fn curve(scene: &Scene, choice: &Choice, ended: &Ended) -> Vec<Point>
         .collect()
 }
 
-/// A run that ended, however it did, and its times [s].
+/// A finished run, whatever its status, and its times [s].
 pub(super) struct Solved {
     pub ended: Ended,
     pub cost: Cost,
     pub cpu: f64,
     pub wall: f64,
-    /// Its cracks at the end of the range; none without a frame up to there.
+    /// Crack pattern at the end of the range; none without a frame up to there.
     pub pattern: Option<Pattern>,
 }
 
-/// Runs a choice on its threads. The times are those of the solver: no reading of the deck, no results. The pattern is on
-/// `grid`; without one on that over all solids.
+/// Runs a choice on its threads. The times are those of the solver, without reading of the deck and output of
+/// results. The pattern is on `grid`, or else on a grid over all solids.
 pub(super) fn solved(
     scene: &Scene,
     choice: &Choice,
@@ -317,7 +321,7 @@ pub(super) fn solved(
         let last = Last {
             x: &scene.x,
             sign: scene.signs[0],
-            // Displacement control ends beyond by what its tolerance leaves.
+            // Displacement control may end beyond the target within its tolerance.
             to: scene.range[1] + SLACK * (scene.range[1] - scene.range[0]),
             cracks: None,
         };
@@ -336,13 +340,13 @@ pub(super) fn solved(
     })
 }
 
-/// Keeps the cracks of the last frame at or before the end of the range, nothing else.
+/// Recorder that keeps only the cracks of the last frame at or before the end of the range.
 struct Last<'a> {
-    /// Column along which curves are compared.
+    /// Column of the abscissa.
     x: &'a str,
-    /// What it is multiplied by.
+    /// Sign by which it is multiplied.
     sign: f64,
-    /// How far a frame may be.
+    /// Largest abscissa of a frame.
     to: f64,
     cracks: Option<Cracks>,
 }

@@ -1,7 +1,8 @@
-//! The error of a reference itself, by the choices that have a part of what makes it.
+//! Error of the reference itself, estimated from the choices that share a part of its refinement.
 //!
-//! A reference with elements and increments of half the size differs from one of these alone by what the other still
-//! changes. Errors in proportion to the size (first order) leave as much again behind every halving.
+//! Suppose that the reference has both elements and increments of half the size. Its difference from a run with
+//! only one of the two shows the effect of the other. If the error is proportional to the size (first order),
+//! every halving leaves an error as large as the change.
 
 use super::errors::Errors;
 use super::outcome::{Outcome, Studied};
@@ -11,7 +12,8 @@ use crate::study::expect::percent;
 /// Keys of the deck and their values.
 type Set = [(String, String)];
 
-/// What the keys of the reference still change, and what is left of that, in words; nothing where no two choices share them.
+/// Effect of each refinement of the reference and the remaining error, in words; none if no two choices share the
+/// refinements between them.
 pub fn own_error(studied: &Studied) -> Option<String> {
     let Origin::Run(reference) = &studied.scene.reference.origin else {
         return None;
@@ -51,7 +53,8 @@ pub fn own_error(studied: &Studied) -> Option<String> {
     })
 }
 
-/// Which of the sets lacks a part of `whole`, and which has just that. `[pair][lacks, has]`
+/// Pairs of sets that together contain exactly the keys of `whole`: the set that lacks a part, and the set with
+/// just that part. `[pair][lacks, has]`
 fn pairs(whole: &Set, sets: &[&Set]) -> Vec<[usize; 2]> {
     let has = |lacks: &Set| sets.iter().position(|other| splits(whole, [lacks, other]));
     let parts = sets.iter().enumerate();
@@ -59,14 +62,14 @@ fn pairs(whole: &Set, sets: &[&Set]) -> Vec<[usize; 2]> {
     let mut pairs: Vec<[usize; 2]> = parts
         .filter_map(|(i, part)| Some([i, has(part)?]))
         .collect();
-    // What lacks all of it lacks what the others lack together.
+    // The empty set lacks the parts that the others lack together, so it is left out.
     if pairs.len() > 1 {
         pairs.retain(|&[lacks, _]| !sets[lacks].is_empty());
     }
     pairs
 }
 
-/// Whether each key of `whole` is in one of `parts`, and no other.
+/// Whether `parts` together contain each key of `whole` once and no other key.
 fn splits(whole: &Set, parts: [&Set; 2]) -> bool {
     let both = || parts.into_iter().flatten();
     both().count() == whole.len() && whole.iter().all(|key| both().any(|other| other == key))
@@ -99,7 +102,7 @@ mod tests {
             [&[][..], &["mesh"], &["initial", "max"], &["other"]].map(set);
         let of = |sets: &[&Set]| pairs(&whole, sets);
         assert_eq!(of(&[&default, &mesh, &other, &steps]), [[1, 3], [3, 1]]);
-        // A choice that has all of it is the reference.
+        // A choice with all keys is the reference itself.
         assert_eq!(of(&[&default, &mesh, &steps, &whole]), [[1, 2], [2, 1]]);
         assert_eq!(of(&[&default, &mesh, &whole]), [[0, 2]]);
         assert!(of(&[&default, &mesh, &other]).is_empty());

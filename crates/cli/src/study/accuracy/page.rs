@@ -1,4 +1,4 @@
-//! The page of the study, as Markdown, and the tables beside it.
+//! Page of the study as Markdown, and the tables beside it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,34 +11,39 @@ use super::own_error::own_error;
 use super::scene::{Group, Origin};
 use crate::study::expect::percent;
 
-/// Names of what stands beside a `scene.toml`.
+/// File name of the chart beside a `scene.toml`.
 pub const CHART: &str = "chart.svg";
-/// As [`CHART`].
+/// File name of the table beside a `scene.toml`.
 pub const TABLE: &str = "table.csv";
 
-/// The error of the default's peak that is promised [-].
+/// Promised error of the default's peak [-].
 const PROMISED: f64 = 0.01;
 
-/// The page; charts and tables stand in `folder` beside it. Sections of other scenes are taken over from the page `before`.
+/// The page. Charts and tables lie in `folder` beside it. Sections of scenes that were not run are copied from the
+/// page `before`.
 pub fn page(all: &[Studied], advice: &str, folder: &str, before: &str) -> String {
     let mut page = String::from("# Accuracy against speed\n\n");
     if !advice.trim().is_empty() {
         let _ = writeln!(page, "{}\n", advice.trim());
     }
     page.push_str(
-        "Each chart has one scene run over the choices that a user has: error against a reference of the same scene, over the CPU time \
-         of the solver as a ratio to that of the default in the same sitting. The error is the larger one of peak and energy (area under the curve, to its \
-         end); the tables have both, and the root mean square of the difference over the reference's peak. Choices on the front are beaten by no other \
-         in both; errors below the uncertainty of the reference count as equal. What has no error did not come to the end.\n\n\
-         *Cracks* is the overlap of the crack pattern with that of the reference at the end, seen in elevation: cells of 10 mm with an element torn by half or a crack of \
-         0.05 mm, or with a joint that has lost half of its bond, in both over in either, where neighbouring cells count as the same. An element cracks as a whole: coarse ones cover more than \
-         fine ones, and lose overlap by that alone.\n\n",
+        "Each chart shows one scene with each of the choices that a user has: the error against a reference of the\n\
+         same scene, over the CPU time of the solver relative to that of the default, measured together. The error is\n\
+         the larger one of those of peak and energy (area under the curve, to its end). The tables have both, and the\n\
+         root mean square of the difference over the reference's peak. A choice is on the front if no other choice is\n\
+         as fast and more accurate, or as accurate and faster; errors below the uncertainty of the reference count as\n\
+         equal. A choice without an error did not reach the end.\n\n\
+         *Cracks* is the overlap of the crack pattern with that of the reference at the end, in elevation. A cell of\n\
+         10 mm is cracked if it has an element with a damage of one half or a crack of 0.05 mm, or a joint that has\n\
+         lost half of its bond. The overlap is the number of cells that are cracked in both patterns over the number\n\
+         of those cracked in either, where neighbouring cells count as the same. An element cracks as a whole: coarse\n\
+         elements cover more cells than fine ones, which alone reduces the overlap.\n\n",
     );
     if let Some(studied) = all.first() {
         let command = studied.scene.command();
         let _ = writeln!(
             page,
-            "Redo it with `{command}`, one scene with `--only`, a reference with `--references`.\n"
+            "`{command}` repeats the study, with `--only` one scene; `--references` computes the references.\n"
         );
     }
     let mut sections = sections(before);
@@ -128,7 +133,7 @@ fn told(errors: &Result<Errors, String>) -> String {
     }
 }
 
-/// Rows of the peers, and what differs in their models.
+/// Rows of the peers, and the differences of their models.
 fn peers(studied: &Studied) -> String {
     let (mut rows, mut differ) = (String::new(), String::new());
     for (peer, errors) in studied.peers() {
@@ -142,14 +147,14 @@ fn peers(studied: &Studied) -> String {
         let ours = number(peer.default_cpu);
         let _ = writeln!(
             differ,
-            "\n*{name}*, in a sitting of its own, where the default took {ours} s of CPU. {}",
+            "\n*{name}*, measured separately, where the default took {ours} s of CPU. {}",
             peer.differs.trim()
         );
     }
     rows + &differ
 }
 
-/// What each choice sets.
+/// Table of the keys that each choice sets.
 fn settings(studied: &Studied) -> String {
     let mut text = String::from("| Choice | sets |\n|---|---|\n");
     for outcome in &studied.outcomes {
@@ -175,7 +180,7 @@ fn settings(studied: &Studied) -> String {
     text
 }
 
-/// Whether the default is what it should be.
+/// Statement on whether the default fulfils its requirements.
 fn verdict(studied: &Studied) -> String {
     let points = studied.points();
     let floor = studied.scene.reference.uncertainty;
@@ -184,7 +189,7 @@ fn verdict(studied: &Studied) -> String {
         return "The default was not run.".to_owned();
     };
     let Ok(errors) = &default.errors else {
-        return "**The default does not come to the end.**".to_owned();
+        return "**The default does not reach the end.**".to_owned();
     };
     let within = if errors.peak.abs() <= PROMISED {
         format!(
@@ -257,7 +262,7 @@ fn unsigned(part: f64) -> String {
     percent(part).trim_start_matches('+').to_owned()
 }
 
-/// Three significant digits.
+/// A number with three significant digits.
 fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
@@ -266,7 +271,7 @@ fn number(value: f64) -> String {
     format!("{value:.*}", places.max(0) as usize)
 }
 
-/// All of a scene's outcomes as CSV.
+/// All results of a scene as CSV.
 pub fn table(studied: &Studied) -> String {
     let mut text = format!("# {}\n", studied.sitting);
     text.push_str(
@@ -299,7 +304,7 @@ pub fn table(studied: &Studied) -> String {
     text + &peer_rows(studied)
 }
 
-/// A table as it was measured, with the rows of peers as they are now.
+/// A measured table with its rows of peers replaced by the present ones.
 pub fn with_peers(measured: &str, studied: &Studied) -> String {
     let is_peer = |line: &&str| line.split(',').nth(1) == Some("peer");
     let kept = measured.lines().filter(|line| !is_peer(line));
@@ -326,20 +331,20 @@ fn peer_rows(studied: &Studied) -> String {
     text
 }
 
-/// Of peak, energy and RMS; NaN where there are none.
+/// Errors of peak, energy and RMS; NaN if there are none.
 fn numbers(errors: &Result<Errors, String>) -> [f64; 3] {
     let errors = errors.as_ref().ok();
     errors.map_or([f64::NAN; 3], |e| [e.peak, e.energy, e.rms])
 }
 
-/// Why there are none, as a field of CSV.
+/// Reason for missing errors, as a field of CSV.
 fn why(errors: &Result<Errors, String>) -> String {
-    // A quote within quotes is two.
+    // CSV doubles a quotation mark within quotation marks.
     let why = errors.as_ref().err();
     why.map_or_else(String::new, |w| format!("\"{}\"", w.replace('"', "\"\"")))
 }
 
-/// The name of a folder as links have it: without blanks.
+/// Name of a folder for links, without blanks.
 pub fn link(folder: &Path) -> String {
     let name = folder.file_name().unwrap_or(folder.as_os_str());
     name.to_string_lossy().replace(' ', "%20")

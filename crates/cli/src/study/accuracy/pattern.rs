@@ -1,8 +1,8 @@
-//! Crack patterns on a grid in the elevation, so that runs with other meshes can be laid over each other.
+//! Crack patterns on a grid in the elevation, so that runs with different meshes can be compared.
 //!
 //! ```text
-//!   z ▲   . . # . .      # an element of the cell is torn, or a joint in it has lost half of its bond,
-//!     │   . . # # .        whatever its place in y: a half by symmetry in y shows what the whole shows
+//!   z ▲   . . # . .      # an element in the cell is cracked, or a joint in it has lost half of its bond,
+//!     │   . . # # .        at any y: half a model by symmetry in y has the same pattern as the whole
 //!     └──▶ x
 //! ```
 
@@ -16,30 +16,30 @@ use wythe_core::state::{Frame, InterfaceState};
 /// Name of the file beside a `scene.toml`.
 pub const PATTERN: &str = "pattern.txt";
 
-/// Side of a cell [mm]: about the thickness of a joint.
+/// Side of a cell [mm], about the thickness of a joint.
 const CELL: f64 = 10.0;
-/// Damage from which an element (tensile) or a piece of a joint counts as cracked [-].
+/// Damage at or above which an element (in tension) or a quarter of a joint facet counts as cracked [-].
 const TORN: f64 = 0.5;
-/// Crack width from which it does [mm]: seen with the naked eye.
+/// Crack width at or above which an element counts as cracked [mm]: visible to the naked eye.
 const WIDE: f64 = 0.05;
-/// Part of a cell by which a coordinate may be off by rounding: joints often lie on the edges of cells.
+/// Part of a cell by which rounding may change a coordinate [-]: joints often lie on the edges of cells.
 const ROUNDING: f64 = 1e-6;
 
-/// What of a frame tells of cracks.
+/// Cracked elements and joint points of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cracks {
-    /// `[element]`
+    /// Whether an element is cracked. `[element]`
     torn: Vec<bool>,
-    /// `[slave facet][point]`, four points to a facet.
+    /// Whether a joint point has failed, four points per facet. `[slave facet][point]`
     parted: Vec<bool>,
 }
 
 impl Cracks {
-    /// Those of a frame.
+    /// Cracks of a frame.
     pub fn of(frame: &Frame) -> Self {
         let elements = frame.tensile_damage.iter().zip(&frame.crack_width);
         let points = frame.interfaces.state.iter().zip(&frame.interfaces.damage);
-        // A dry joint has no bond to lose: what it does is its state.
+        // A dry joint has no bond that could be damaged, so its state decides.
         let parted = |(state, damage): (&InterfaceState, &f64)| match state {
             InterfaceState::FailedOpen | InterfaceState::FailedSliding => true,
             InterfaceState::Softening => *damage >= TORN,
@@ -59,12 +59,12 @@ pub struct Grid {
     cell: f64,
     /// Lower left corner [mm]. `[x, z]`
     corner: [f64; 2],
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     size: [usize; 2],
 }
 
 impl Grid {
-    /// Over all solids.
+    /// Grid over all solids.
     pub fn over(mesh: &Mesh) -> Self {
         let [[x, right], [z, top]] = [mesh.extent(0), mesh.extent(2)];
         let count = |from: f64, to: f64| ((to - from) / CELL - ROUNDING).ceil().max(1.0) as usize;
@@ -75,11 +75,11 @@ impl Grid {
         }
     }
 
-    /// The cell at a point; none outside.
+    /// Cell at a point; none outside the grid.
     fn cell_at(&self, point: [f64; 2]) -> Option<usize> {
         let [column, row] = [0, 1].map(|i| {
             let along = ((point[i] - self.corner[i]) / self.cell + ROUNDING).floor();
-            // What lies on the far edge belongs to the last cell.
+            // A point on the far edge belongs to the last cell.
             let last = self.size[i] as f64 - 1.0;
             let on_edge = along == last + 1.0
                 && point[i] - self.corner[i] <= (last + 1.0 + ROUNDING) * self.cell;
@@ -92,16 +92,16 @@ impl Grid {
     }
 }
 
-/// Which cells of a grid are cracked.
+/// Cracked cells of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
     grid: Grid,
-    /// `[row from the bottom][column]`
+    /// Whether a cell is cracked. `[row from the bottom][column]`
     cracked: Vec<bool>,
 }
 
 impl Pattern {
-    /// The cracks of a model on a grid.
+    /// Cracks of a model on a grid.
     pub fn of(model: &Model, cracks: &Cracks, grid: Grid) -> Self {
         let mut pattern = Self {
             grid,
@@ -120,7 +120,8 @@ impl Pattern {
         pattern
     }
 
-    /// Marks what a hexahedron covers, or a quad (its corners twice): at points no farther apart than half a cell.
+    /// Marks the cells covered by a hexahedron, or by a quadrilateral (its corners twice), at sampling points no
+    /// farther apart than half a cell.
     fn fill(&mut self, corners: &[[f64; 3]; 8]) {
         let seen = |n: usize| [corners[n][0], corners[n][2]];
         // Edges along the three axes of the element.
@@ -153,7 +154,7 @@ impl Pattern {
         }
     }
 
-    /// Cracked cells, and all that touch one.
+    /// Cracked cells and all their neighbours.
     fn wider(&self) -> Vec<bool> {
         let [columns, rows] = self.grid.size;
         let mut wider = vec![false; self.cracked.len()];
@@ -168,9 +169,9 @@ impl Pattern {
         wider
     }
 
-    /// What two patterns have in common over what either has [-]: |A ∩ B| / |A ∪ B|, where a cell is common if the
-    /// other has it or one that touches it; |A ∩ B| is the mean of both counts. 1 where nothing is cracked. None on
-    /// different grids.
+    /// Overlap of two patterns [-]: |A ∩ B| / |A ∪ B|. A cell is common if it or a neighbour is cracked in the
+    /// other pattern; |A ∩ B| is the mean of the counts from both sides. The overlap is 1 if no cell is cracked,
+    /// and none on different grids.
     pub fn overlap(&self, other: &Self) -> Option<f64> {
         let common = |one: &Self, wide: &[bool]| {
             let cells = one.cracked.iter().zip(wide);
@@ -183,7 +184,7 @@ impl Pattern {
         (self.grid == other.grid).then_some(overlap)
     }
 
-    /// As the text of a file: the grid, then the rows from the top.
+    /// Text of a file: the grid, then the rows from the top.
     pub fn text(&self) -> String {
         let Grid {
             cell,
@@ -199,10 +200,10 @@ impl Pattern {
         text
     }
 
-    /// Reads the text of a file back.
+    /// Reads the text of a file.
     ///
     /// # Errors
-    /// In words: it is none.
+    /// In words: the text is not a pattern.
     fn parsed(text: &str) -> Result<Self, String> {
         let mut lines = text.lines();
         let first = lines.next().unwrap_or_default();
@@ -245,7 +246,7 @@ impl Pattern {
         })
     }
 
-    /// Its grid.
+    /// Grid of the pattern.
     pub fn grid(&self) -> Grid {
         self.grid
     }
@@ -253,7 +254,7 @@ impl Pattern {
     /// Reads a file.
     ///
     /// # Errors
-    /// It cannot be read, or is no pattern.
+    /// The file cannot be read, or is not a pattern.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let failed = |why: std::io::Error| IoError {
             path: path.to_owned(),
@@ -264,7 +265,7 @@ impl Pattern {
     }
 }
 
-/// The quarter of a facet around its point `k`, its corners twice: as a hexahedron without thickness.
+/// Quarter of a facet around its point `k`, with its corners twice, as a hexahedron without thickness.
 fn quarter(facet: &[[f64; 3]; 4], k: usize) -> [[f64; 3]; 8] {
     let mean = |of: &[usize]| {
         [0, 1, 2].map(|d| of.iter().map(|n| facet[*n][d]).sum::<f64>() / of.len() as f64)
@@ -286,7 +287,7 @@ mod tests {
         Pattern::parsed(&format!("10 -5 2.5 mm\n{}\n", rows.join("\n"))).unwrap()
     }
 
-    /// A box, as the corners of a hexahedron.
+    /// Corners of a box.
     fn hexahedron([x, y, z]: [[f64; 2]; 3]) -> [[f64; 3]; 8] {
         let plane = [[0, 0], [1, 0], [1, 1], [0, 1]];
         std::array::from_fn(|n| [x[plane[n % 4][0]], y[plane[n % 4][1]], z[n / 4]])
@@ -298,10 +299,10 @@ mod tests {
         assert_eq!(one.overlap(&one), Some(1.0));
         let beside = pattern(&["...#..", "..#...", ".#...."]);
         assert_eq!(one.overlap(&beside), Some(1.0));
-        // Two cells away is another path.
+        // A crack two cells away is a different crack.
         let away = pattern(&["....#.", "....#.", "....#."]);
         assert_eq!(one.overlap(&away), Some(0.0));
-        // Three of each, and three more that are nowhere near: 3 of 6.
+        // Three cells each, and three others far away: 3 of 6.
         let both = pattern(&["..#..#", "..#..#", "..#..#"]);
         assert_eq!(one.overlap(&both), Some(0.5));
         assert_eq!(both.overlap(&one), Some(0.5));
@@ -344,13 +345,13 @@ mod tests {
             parts.fill(&hexahedron([[x(i), x(i + 1)], [40.0, 49.0], [12.5, 22.5]]));
         }
         assert_eq!(parts, whole);
-        // Of a facet on the upper edge of the wall, its right half.
+        // The right half of a facet on the upper edge of the wall.
         let corners = [[15.0, 0.0], [55.0, 0.0], [55.0, 98.0], [15.0, 98.0]];
         let facet = corners.map(|[x, y]| [x, y, 32.5]);
         let mut joint = empty.clone();
         joint.fill(&quarter(&facet, 1));
         assert_eq!(joint, pattern(&["....##", "......", "......"]));
-        // Upright, and outside of everything.
+        // A vertical facet outside the grid.
         let facet = corners.map(|[y, z]| [-5.0, y, 2.5 + z / 9.8]);
         let mut joint = empty.clone();
         joint.fill(&quarter(&facet, 0));
@@ -374,7 +375,7 @@ mod tests {
             InterfaceState::FailedOpen,
             InterfaceState::FailedSliding,
         ];
-        // That of a dry joint is 1 from the start.
+        // The damage of a dry joint is 1 from the start.
         frame.interfaces.damage = vec![1.0, 0.49, 0.5, 1.0, 1.0];
         let cracks = Cracks::of(&frame);
         assert_eq!(cracks.torn, [false, true, true]);

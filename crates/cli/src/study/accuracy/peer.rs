@@ -1,4 +1,4 @@
-//! Other programs on the same scene: their curves come from a file, nothing runs them.
+//! Curves of other programs for the same scene. They are read from a file; the study does not run these programs.
 
 use std::path::PathBuf;
 
@@ -10,39 +10,39 @@ use crate::study::curve::Point;
 pub struct Peer {
     /// Name in tables and charts.
     pub name: String,
-    /// What differs in its model.
+    /// Differences of its model.
     pub differs: String,
-    /// The file of its curve.
+    /// File of its curve.
     pub file: PathBuf,
-    /// In units of the scene's columns. `[point][x, y]`
+    /// Curve in the units of the scene's columns. `[point][x, y]`
     pub curve: Vec<Point>,
-    /// Its CPU time to the end of the comparison [s].
+    /// CPU time up to the end of the comparison [s].
     pub cpu: f64,
-    /// That of the scene's default in the same sitting [s].
+    /// CPU time of the scene's default, measured on the same occasion [s].
     pub default_cpu: f64,
 }
 
 impl Peer {
-    /// Its CPU time over that of the default.
+    /// CPU time over that of the default.
     pub fn ratio(&self) -> f64 {
         self.cpu / self.default_cpu
     }
 
-    /// Its largest ordinate.
+    /// Largest ordinate.
     pub fn peak(&self) -> f64 {
         self.curve.iter().map(|p| p[1]).fold(f64::NAN, f64::max)
     }
 
-    /// Its errors against the reference of the scene.
+    /// Errors against the reference of the scene.
     ///
     /// # Errors
-    /// In words: its curve turns back, or does not come to the end of the range.
+    /// In words: the curve turns back, or does not reach the end of the range.
     pub fn errors(&self, known: &Known) -> Result<Errors, String> {
         known.errors(&self.curve)
     }
 }
 
-/// The seconds at the first point that has come to `to`. `spent`: `[point][x, seconds]`
+/// Time at the first point that reaches `to` [s]. `spent`: `[point][x, seconds]`
 pub fn spent_to(spent: &[Point], to: f64) -> Option<f64> {
     let there = |p: &&Point| p[0] >= to * (1.0 - 1e-9);
     spent.iter().find(there).map(|p| p[1])

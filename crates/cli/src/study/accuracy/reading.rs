@@ -1,4 +1,4 @@
-//! Reads back what a study wrote.
+//! Reads the tables that a study has written.
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use super::scene::Scene;
 use crate::study::cell::Cost;
 use wythe_core::error::IoError;
 
-/// A scene with the outcomes of its full form as a table of the study has them. Repeats come as their medians. Choices that
-/// the table has not are missing; rows of choices that the scene has not are left out.
+/// A scene with the results of its full form from a table of the study. Repeated times are stored as medians.
+/// Choices that the table does not contain are missing; rows of unknown choices are ignored.
 ///
 /// # Errors
-/// The file cannot be read, or is no table of the study.
+/// The file cannot be read, or is not a table of the study.
 pub fn read(scene: &Scene, file: &Path) -> Result<Studied, IoError> {
     let failed = |why: std::io::Error| IoError {
         path: file.to_owned(),
@@ -37,7 +37,7 @@ fn parsed(scene: &Scene, text: &str) -> Result<Studied, String> {
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
         let field = |name: &str| Ok::<_, String>(record.get(place(name)?).unwrap_or_default());
-        // Tables of before cracks were looked at have none.
+        // Older tables have no column of cracks.
         let cracks = record.get(place("cracks").unwrap_or(usize::MAX));
         let number = |name: &str| {
             let field = field(name)?;

@@ -1,4 +1,4 @@
-//! Makes references anew.
+//! Computes references.
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -9,20 +9,20 @@ use super::pattern::Pattern;
 use super::scene::{Origin, Scene};
 use crate::study::run::Watch;
 
-/// A reference, as the texts of its files.
+/// Texts of the files of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Renewed {
-    /// Its curve.
+    /// Text of the curve.
     pub curve: String,
-    /// Its cracks; none where the run shows no frame within the range.
+    /// Text of the crack pattern; none if the run has no frame within the range.
     pub pattern: Option<String>,
 }
 
-/// The reference of a scene as the texts of its files, by the run that it is said to come from; none where it comes from
-/// elsewhere.
+/// Computes the reference of a scene by its run, as the texts of its files; none if the reference does not come
+/// from a run.
 ///
 /// # Errors
-/// In words: the run breaks, or does not come to the end of the comparison.
+/// In words: the run fails, or does not reach the end of the comparison.
 pub fn renew(
     scene: &Scene,
     limit: Duration,
@@ -45,7 +45,7 @@ pub fn renew(
         cost.increments, cost.iterations, solved.cpu, scene.x, scene.y
     );
     for [x, y] in curve {
-        // A String cannot refuse.
+        // Writing to a string does not fail.
         let _ = writeln!(text, "{x:.9},{y:.9}");
     }
     Ok(Some(Renewed {

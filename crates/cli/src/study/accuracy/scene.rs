@@ -1,4 +1,4 @@
-//! A scene of the study: a deck, its reference, and the choices that it is run over.
+//! A scene of the study: a deck, its reference, and the choices that are compared.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use crate::study::written::{gathered, listed, parsed, text};
 use crate::study::{Short, StudyError};
 use wythe_core::command::argument;
 
-/// Where the study looks for scenes unless it is told.
+/// Default folder of the scenes.
 pub const SCENES: &str = "docs/accuracy-speed";
 
-/// A folder with `scene.toml`; `docs/reference/studies.md` lists the keys.
+/// A folder with `scene.toml`. `docs/reference/studies.md` lists the keys.
 #[derive(Clone, Debug)]
 // More than 15 fields: one for each key of a scene.
 pub struct Scene {
@@ -24,124 +24,124 @@ pub struct Scene {
     pub number: u32,
     /// Title.
     pub title: String,
-    /// What happens, and what the choices are held against.
+    /// Mechanics of the scene, and the kind of its reference.
     pub what: String,
-    /// What the chart says of it.
+    /// Conclusions from the chart.
     pub says: String,
-    /// Holds `scene.toml`, the reference and, later, chart and table.
+    /// Folder of `scene.toml` and the reference; chart and table are written into it by default.
     pub folder: PathBuf,
-    /// The deck's file.
+    /// File of the deck.
     pub deck: PathBuf,
-    /// Keys of the deck and their values, of every run.
+    /// Overrides of every run: keys of the deck and their values.
     pub set: Vec<(String, String)>,
-    /// The form that the tests run.
+    /// Short form of the scene, for the tests.
     pub short: Short,
-    /// Column of `history.csv` along which curves are compared.
+    /// Column of `history.csv` for the abscissa of the curves.
     pub x: String,
-    /// Column that is compared.
+    /// Column of the ordinate.
     pub y: String,
-    /// What both are multiplied by: −1 where a minus stands before the column. `[x, y]`
+    /// Signs by which both columns are multiplied: −1 if the scene has a minus before the column. `[x, y]`
     pub signs: [f64; 2],
-    /// Rows of these steps only; of all without a choice.
+    /// Steps whose rows are compared, from 0; all if none are given.
     pub steps: Option<Vec<usize>>,
-    /// Where the comparison begins and ends, in units of `x`.
+    /// Beginning and end of the comparison, in the unit of `x`.
     pub range: [f64; 2],
-    /// Where that of the short form ends.
+    /// End of the comparison in the short form, in the unit of `x`.
     pub short_to: f64,
-    /// What is taken for right.
+    /// Reference of the scene.
     pub reference: Reference,
-    /// What it is run over; one of them is of the group [`Group::Default`].
+    /// Compared choices; one of them has the group [`Group::Default`].
     pub choices: Vec<Choice>,
     /// Other programs on the same scene.
     pub peers: Vec<Peer>,
 }
 
-/// The curve that is taken for right.
+/// The curve that the choices are compared with.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// In units of the columns; empty before it was made. `[point][x, y]`
+    /// Curve in the units of the columns; empty until it is computed. `[point][x, y]`
     pub curve: Vec<Point>,
-    /// The peak in closed form, where there is one.
+    /// Peak in closed form, if there is one.
     pub peak: Option<f64>,
-    /// Its cracks at the end of the range; none where none were looked at.
+    /// Crack pattern at the end of the range; none if it was not recorded.
     pub pattern: Option<Pattern>,
-    /// The file of the curve.
+    /// File of the curve.
     pub file: PathBuf,
-    /// How far it can be trusted, and why.
+    /// Reliability of the reference, with reasons.
     pub how: String,
-    /// That as a number: part of the peak or of the energy [-].
+    /// Uncertainty of the reference relative to the peak or the energy [-].
     pub uncertainty: f64,
-    /// What made it.
+    /// Origin of the reference.
     pub origin: Origin,
 }
 
 impl Reference {
-    /// Whether it was made.
+    /// Whether the reference exists.
     pub fn there(&self) -> bool {
         !self.curve.is_empty()
     }
 }
 
-/// What made a reference.
+/// Origin of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
-    /// A run of the scene with these keys besides its own, see [`renew`](super::renew()).
+    /// A run of the scene with additional keys, see [`renew`](super::renew()).
     Run(Choice),
-    /// Something else: a command.
+    /// Another source: a command.
     Command(String),
 }
 
-/// One of the things that a user may choose.
+/// A choice that a user has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Name in tables and charts.
     pub name: String,
-    /// What is chosen.
+    /// Subject of the choice.
     pub group: Group,
-    /// Keys of the deck and their values.
+    /// Overrides: keys of the deck and their values.
     pub set: Vec<(String, String)>,
-    /// Threads of the run.
+    /// Number of threads of the run.
     pub threads: usize,
-    /// What the ordinate is multiplied by: 2 where symmetry leaves a half.
+    /// Factor of the ordinate: 2 if symmetry reduces the model to a half.
     pub factor: f64,
-    /// Whether the short form runs it.
+    /// Whether the short form includes the choice.
     pub short: bool,
 }
 
-/// What a choice is about: its colour in the chart.
+/// Subject of a choice; it determines the colour in the chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
-    /// What a deck gets that says nothing; the times of the others are told over its.
+    /// Settings of a deck without solver keys; other times are given relative to this choice.
     Default,
     /// Formulation of the elements.
     Element,
-    /// Elements of a unit.
+    /// Number of elements per unit.
     Mesh,
-    /// Points of contact.
+    /// Contact points.
     Points,
     /// Stiffness of the interfaces.
     Penalty,
     /// Procedure and tangent.
     Procedure,
-    /// Size of the increments.
+    /// Increment size.
     Step,
-    /// Tolerance of the balance.
+    /// Tolerance of equilibrium.
     Tolerance,
     /// Plane of symmetry.
     Symmetry,
-    /// How much of the model is modelled.
+    /// Level of detail of the model.
     Fidelity,
-    /// Threads.
+    /// Number of threads.
     Threads,
-    /// Several of these at once.
+    /// Several subjects at once.
     Several,
-    /// Width of the band in which solids soften, on any mesh.
+    /// Width of the crack band, on any mesh.
     CrackBand,
 }
 
 impl Group {
-    /// All of them, in the order of the legend.
+    /// All groups in the order of the legend.
     pub const ALL: [Self; 13] = [
         Self::Default,
         Self::Element,
@@ -158,7 +158,7 @@ impl Group {
         Self::CrackBand,
     ];
 
-    /// In words.
+    /// Name of the group in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Default => "default",
@@ -179,7 +179,7 @@ impl Group {
 }
 
 impl Choice {
-    /// On one thread, in the short form too.
+    /// A choice with one thread that the short form includes.
     pub fn new(name: &str, group: Group, set: Vec<(String, String)>) -> Self {
         Self {
             name: name.to_owned(),
@@ -196,13 +196,14 @@ impl Scene {
     /// Reads a scene from its file.
     ///
     /// # Errors
-    /// [`StudyError`]: the file, its deck or its reference cannot be read, or says something impossible.
+    /// [`StudyError`]: the file, its deck or its reference cannot be read or is invalid.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
         let (text, file, folder) = text(path)?;
         Self::from_str(&text, &file, folder)
     }
 
-    /// Reads a scene from a text. `file` names it in errors, `folder` holds its deck and reference.
+    /// Reads a scene from a text. `file` is the name used in errors, `folder` the folder of its deck and
+    /// reference.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -216,7 +217,7 @@ impl Scene {
         format!("{} {}", self.number, self.title)
     }
 
-    /// The command that runs the scenes beside it.
+    /// Command that runs the scenes of this folder.
     pub fn command(&self) -> String {
         let scenes = self.folder.parent().unwrap_or(Path::new("."));
         if scenes == Path::new(SCENES) {
@@ -226,13 +227,14 @@ impl Scene {
         }
     }
 
-    /// Name of its folder.
+    /// Name of the scene's folder.
     pub fn folder_name(&self) -> String {
         let name = self.folder.file_name();
         name.map_or_else(String::new, |n| n.to_string_lossy().into_owned())
     }
 
-    /// Keys of the deck and their values in the short or the full form of a choice; none if the form does not run it.
+    /// Overrides of a choice in the short or the full form: keys of the deck and their values; none if the form
+    /// does not include the choice.
     pub fn overrides(&self, choice: &Choice, short: bool) -> Option<Vec<(String, String)>> {
         let mut set = self.set.clone();
         if !self.short.extend(&mut set, short) {
@@ -242,16 +244,16 @@ impl Scene {
         (choice.short || !short).then_some(set)
     }
 
-    /// Cracks of the reference at the end of a form's range; none where that is not the end of the reference's.
+    /// Crack pattern of the reference at the end of a form's range; none if the reference ends elsewhere.
     pub fn pattern(&self, short: bool) -> Option<&Pattern> {
         let pattern = self.reference.pattern.as_ref();
         pattern.filter(|_| !short || self.short_to == self.range[1])
     }
 
-    /// The reference over the range of a form.
+    /// Reference over the range of a form.
     ///
     /// # Errors
-    /// In words: the curve does not go along that range.
+    /// In words: the curve does not cover that range.
     pub fn known(&self, short: bool) -> Result<Known, String> {
         let to = if short { self.short_to } else { self.range[1] };
         Known::new(
@@ -262,7 +264,7 @@ impl Scene {
     }
 }
 
-/// The advice of a folder of scenes: `advice` of its `index.toml`, nothing where there is no such file.
+/// Advice for all scenes of a folder, the key `advice` of its `index.toml`; empty if there is no such file.
 ///
 /// # Errors
 /// [`StudyError`]: the file cannot be read or has other keys.
@@ -274,10 +276,10 @@ pub fn advice(folder: &Path) -> Result<String, StudyError> {
     written::advice_of(&file)
 }
 
-/// All scenes in the folders of `folder`, by number.
+/// All scenes in the sub-folders of `folder`, sorted by number.
 ///
 /// # Errors
-/// [`StudyError`]: the folder cannot be read, holds no scene, or one of them is wrong.
+/// [`StudyError`]: the folder cannot be read, holds no scene, or a scene is invalid.
 pub fn scenes(folder: &Path) -> Result<Vec<Scene>, StudyError> {
     let folders = listed(folder)?.into_iter();
     let files = folders.map(|path| path.join("scene.toml"));

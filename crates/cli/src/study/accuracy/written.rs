@@ -1,4 +1,4 @@
-//! `scene.toml` as written, and what is checked of it.
+//! The file `scene.toml`, and its checks.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::study::{History, Short, StudyError};
 use wythe_core::deck::Deck;
 use wythe_core::deck::source::Source;
 
-/// The serde mirror of `scene.toml`; TOML leaves out what is none.
+/// Keys of `scene.toml` for serde; TOML omits keys without a value.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 // More than 15 fields: one for each key of the file.
@@ -88,7 +88,7 @@ pub struct PeerFile {
     default_cpu: f64,
 }
 
-/// The serde mirror of `index.toml`.
+/// Keys of `index.toml` for serde.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct IndexFile {
@@ -145,7 +145,7 @@ pub fn advice(path: &str) -> String {
     format!("write it like this: {line}")
 }
 
-/// The advice in `index.toml`.
+/// Reads the advice from `index.toml`.
 pub fn advice_of(file: &Path) -> Result<String, StudyError> {
     let (text, name, _) = text(file)?;
     let (_, index): (_, IndexFile) = parsed(&text, &name, advice)?;
@@ -153,7 +153,7 @@ pub fn advice_of(file: &Path) -> Result<String, StudyError> {
 }
 
 impl SceneFile {
-    /// The scene, if all of it makes sense.
+    /// Builds the scene after all checks.
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Scene, StudyError> {
         let error = |path: &str, message: String| -> StudyError {
             source.error(path, message, &advice(path)).into()
@@ -175,7 +175,7 @@ impl SceneFile {
             error: &error,
         };
         let reference = context.reference(self.reference)?;
-        // What acts before the first of these rows may have moved what is compared.
+        // Loads before the first of these rows may have changed the compared values.
         let begins = reference.curve.first().map_or(0.0, |point| point[0]);
         let from = self.from.unwrap_or(begins.max(0.0));
         if !(from >= 0.0 && from < self.to && self.to.is_finite()) {
@@ -217,7 +217,7 @@ impl SceneFile {
         })
     }
 
-    /// Refuses columns that the history has not.
+    /// Rejects columns that the history does not have.
     fn columns(&self, deck: &Deck, error: &Error<'_>) -> Result<(), StudyError> {
         let own = deck.columns();
         let columns: Vec<String> = History::names().into_iter().chain(own).collect();
@@ -231,7 +231,7 @@ impl SceneFile {
     }
 }
 
-/// A column's name, and −1 where a minus before it turns its sign.
+/// Name of a column, and −1 if a minus precedes it, else 1.
 fn signed(column: &str) -> (&str, f64) {
     match column.strip_prefix('-') {
         Some(name) => (name, -1.0),
@@ -241,7 +241,7 @@ fn signed(column: &str) -> (&str, f64) {
 
 type Error<'a> = dyn Fn(&str, String) -> StudyError + 'a;
 
-/// Tries every choice on the deck now: a slip in the last one would be found after hours.
+/// Loads the deck with every choice, because an error in the last choice would otherwise appear only after hours.
 fn try_all(
     deck: &Path,
     set: &[(String, String)],
@@ -273,12 +273,12 @@ fn named(name: &str, key: &str, error: &Error<'_>) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// What the parts of a scene are checked with.
+/// Context for the checks of a scene's parts.
 #[derive(Clone, Copy)]
 struct Context<'a> {
     source: &'a Source,
     folder: &'a Path,
-    /// Columns that are compared.
+    /// Compared columns.
     columns: [&'a str; 2],
     error: &'a Error<'a>,
 }
@@ -410,7 +410,7 @@ impl Context<'_> {
             written.x.as_deref().unwrap_or(x),
             written.y.as_deref().unwrap_or(y),
         ];
-        // Before it was made there is none.
+        // A reference that is still to be computed has no file.
         let curve = if file.exists() || matches!(origin, Origin::Command(_)) {
             curve::read(&file, columns[0], columns[1])?
         } else {

@@ -1,4 +1,4 @@
-//! `wythe study accuracy-speed`: error against time over the choices that a user has.
+//! `wythe study accuracy-speed`: error against computing time of the choices that a user has.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -21,9 +21,9 @@ use crate::plot::write;
 use crate::say::print;
 use crate::say::tell;
 
-/// The page, beside the folder of the scenes.
+/// File of the page, beside the folder of the scenes.
 const PAGE: &str = "accuracy-speed.md";
-/// A scene, in its folder.
+/// File of a scene in its folder.
 const SCENE: &str = "scene.toml";
 
 pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
@@ -68,7 +68,7 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     }
     let lines = Mutex::new(());
     let progress = |scene: &Scene, outcome: &Outcome, repeat: usize| {
-        // One at a time.
+        // The lock keeps the lines of several threads apart.
         let _lines = lines.lock();
         tell!("{}", told(scene, outcome, repeat));
     };
@@ -78,7 +78,7 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     }
     let out = match &arguments.out {
         Some(out) if arguments.model.is_none() => out.as_path(),
-        // The page tells of the full forms.
+        // The page reports the full forms only.
         None if arguments.short => return print(&summary(&all)),
         _ => dir.as_path(),
     };
@@ -89,7 +89,7 @@ pub fn accuracy_speed(arguments: &AccuracySpeed) -> Result<(), Failure> {
     written_out(&all, arguments, &dir, out)
 }
 
-/// The folder of scenes that holds the one of `model`, with its reference: both made where they are not there yet.
+/// Folder of scenes with the scene of `model` and its reference; both are created if they do not exist.
 fn drafted(
     model: &Path,
     arguments: &AccuracySpeed,
@@ -128,7 +128,7 @@ fn drafted(
     Ok(dir)
 }
 
-/// The absolute path without links, of what may not be there yet.
+/// Absolute path without links of a file that need not exist.
 fn real(path: &Path) -> std::io::Result<PathBuf> {
     match (path.canonicalize(), path.parent(), path.file_name()) {
         (Err(_), Some(parent), Some(name)) if parent.as_os_str().is_empty() => {
@@ -139,7 +139,7 @@ fn real(path: &Path) -> std::io::Result<PathBuf> {
     }
 }
 
-/// Charts, and the page beside their folder.
+/// Writes the charts, and the page beside their folder.
 fn written_out(
     all: &[Studied],
     arguments: &AccuracySpeed,
@@ -153,7 +153,7 @@ fn written_out(
         }
     }
     let beside = out.parent().unwrap_or(Path::new("."));
-    // A part of the scenes leaves the sections of the others.
+    // A study of some scenes leaves the sections of the others unchanged.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
         _ => page_before(&beside.join(PAGE))?,
@@ -165,7 +165,7 @@ fn written_out(
     print(&format!("{}written to {}\n", summary(all), out.display()))
 }
 
-/// Makes the references anew that come from runs.
+/// Computes the references that come from runs.
 fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
     for scene in scenes {
         remade(scene, limit, interrupt)?;
@@ -173,7 +173,7 @@ fn references(scenes: &[Scene], limit: Duration, interrupt: &Interrupt) -> Resul
     Ok(())
 }
 
-/// Makes the reference of a scene anew, if it comes from a run.
+/// Computes the reference of a scene if it comes from a run.
 fn remade(scene: &Scene, limit: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
     let file = &scene.reference.file;
     let made = renew(scene, limit, &|| interrupt.requested());
@@ -193,7 +193,7 @@ fn remade(scene: &Scene, limit: Duration, interrupt: &Interrupt) -> Result<(), F
     print(&told)
 }
 
-/// A reference whose run broke or ended early; its file is left as it is.
+/// Failure of a reference whose run failed or ended early; its file is unchanged.
 fn unmade(file: &Path, why: &str) -> Failure {
     Failure::NotConverged(miette!(
         help = "another end (`to`) or other keys (`set` of the reference) in scene.toml",
@@ -202,7 +202,7 @@ fn unmade(file: &Path, why: &str) -> Failure {
     ))
 }
 
-/// The line of a run as it ends.
+/// Line of a finished run.
 fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
     let cracks = |part: f64| format!(", cracks {:.0} %", 100.0 * part);
     let cracks = outcome.cracks.map_or_else(String::new, cracks);
@@ -223,12 +223,12 @@ fn told(scene: &Scene, outcome: &Outcome, repeat: usize) -> String {
             cost.iterations
         )
     } else {
-        String::new() // it was not run
+        String::new() // the choice was not run
     };
     format!("{}, {name} ({repeat}): {how}{took}", scene.name())
 }
 
-/// How many choices came to the end.
+/// Number of choices that reached the end.
 fn summary(all: &[Studied]) -> String {
     let outcomes = || all.iter().flat_map(|s| &s.outcomes);
     let ended = outcomes().filter(|o| o.errors.is_ok()).count();

@@ -1,4 +1,4 @@
-//! `wythe study`: many runs side by side, judged and told on one page.
+//! `wythe study`: runs many models side by side, evaluates them and reports them on one page.
 
 mod accuracy;
 mod validation;
@@ -26,7 +26,7 @@ use crate::say::tell;
 const PAGE: &str = "stability.md";
 const PICTURE: &str = "stability.svg";
 
-/// Runs the study that was asked for. `program`: what runs a deck in a process of its own.
+/// Runs the requested study. `program` is the command that runs a deck in a process of its own.
 pub fn study(arguments: &Study, program: &[OsString]) -> Result<(), Failure> {
     match arguments {
         Study::Stability(arguments) => stability(arguments),
@@ -37,7 +37,7 @@ pub fn study(arguments: &Study, program: &[OsString]) -> Result<(), Failure> {
 }
 
 fn stability(arguments: &Stability) -> Result<(), Failure> {
-    // A number means all of its letters.
+    // A number without a letter selects all cases of that number.
     let is = |case: &Case, n: &str| case.id() == n || case.number.to_string() == n;
     let cases = chosen(
         study::cases(&arguments.cases)?,
@@ -53,7 +53,7 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
         limit: Duration::from_secs_f64(arguments.limit),
         jobs: arguments.jobs.map_or(threads, usize::from),
     };
-    // Part of the atlas must not take the place of the whole.
+    // A part of the atlas must not replace the stored whole.
     let whole = arguments.only.is_empty() && arguments.methods.is_empty() && !arguments.short;
     let out = match &arguments.out {
         Some(out) => Some(out.as_path()),
@@ -62,7 +62,7 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
     let count = AtomicUsize::new(0);
     let progress = |case: &Case, cell: &Cell| {
-        // One line at a time.
+        // The lock keeps the lines of several threads apart.
         let _line = lines.lock();
         let number = count.fetch_add(1, Ordering::Relaxed) + 1;
         tell!("{number:4}  {}", line(case, cell, arguments.verbose));
@@ -84,8 +84,8 @@ fn stability(arguments: &Stability) -> Result<(), Failure> {
     print(&format!("written to {}\n", out.join(PAGE).display()))
 }
 
-/// The cases that are named; all without a choice. `kind`: what they are called, `id`: the name of a case, `is`: whether
-/// one means it.
+/// Selected cases; all if none are named. `kind` is the noun for errors, `id` gives the name of a case, `is`
+/// decides whether a name means a case.
 fn chosen<C>(
     cases: Vec<C>,
     kind: &'static str,
@@ -105,7 +105,7 @@ fn chosen<C>(
     Ok(cases.into_iter().filter(wanted).collect())
 }
 
-/// The progress line of a cell; with what was measured if asked.
+/// Progress line of a cell, with the measured values if `verbose`.
 fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
     let cost = &cell.cost;
     let mut line = format!(
@@ -121,14 +121,14 @@ fn line(case: &Case, cell: &Cell, verbose: bool) -> String {
     );
     if verbose {
         for text in cell.why().into_iter().chain(cell.measured.iter().cloned()) {
-            // A String cannot refuse.
+            // Writing to a string does not fail.
             let _ = write!(line, "\n        {text}");
         }
     }
     line
 }
 
-/// A page as it stands before it is written; nothing if there is none.
+/// Text of a page before it is replaced; empty if there is none.
 fn page_before(file: &Path) -> Result<String, Failure> {
     match std::fs::read_to_string(file) {
         Err(why) if why.kind() == ErrorKind::NotFound => Ok(String::new()),

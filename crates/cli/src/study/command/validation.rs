@@ -1,4 +1,4 @@
-//! `wythe study validation`: what comes out beside what is known.
+//! `wythe study validation`: results beside tests, exact solutions and other models.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -17,10 +17,10 @@ use crate::plot::write;
 use crate::say;
 use crate::say::print;
 
-/// The page of a case, which forges show with its folder.
+/// File of a case's page; code hosting sites show a README with its folder.
 const PAGE: &str = "README.md";
 
-/// The page that lists the cases, beside their folder.
+/// File of the page that lists the cases, beside their folder.
 const INDEX: &str = "validation.md";
 
 pub fn validation(arguments: &Validation) -> Result<(), Failure> {
@@ -37,7 +37,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     };
     let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
     let progress = |case: &Case, outcome: &Outcome| {
-        // One at a time.
+        // The lock keeps the lines of several threads apart.
         let _lines = lines.lock();
         say::text(&told(case, outcome));
     };
@@ -47,7 +47,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     }
     let out = match &arguments.out {
         Some(out) => out.as_path(),
-        // The pages tell of the full forms.
+        // The pages report the full forms only.
         None if arguments.short => return print(&summary(&all)),
         None => arguments.cases.as_path(),
     };
@@ -55,7 +55,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
         pages(&out.join(validated.case.folder_name()), validated)?;
     }
     let beside = out.parent().unwrap_or(Path::new("."));
-    // A part of the cases leaves the rows of the others.
+    // A study of some cases leaves the rows of the others unchanged.
     let before = match arguments.only.as_slice() {
         [] => String::new(),
         _ => page_before(&beside.join(INDEX))?,
@@ -65,7 +65,7 @@ pub fn validation(arguments: &Validation) -> Result<(), Failure> {
     print(&format!("{}written to {}\n", summary(&all), out.display()))
 }
 
-/// The page of a case and what stands beside it.
+/// Writes the page of a case and the files beside it.
 fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
     let case = &validated.case;
     for it in &case.charts {
@@ -80,12 +80,12 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
                 write(folder, &format!("{name}_{what}.svg"), svg.as_bytes())?;
             }
         }
-        // A run that broke leaves the files of the one before.
+        // A run that failed leaves the files of an earlier run unchanged.
         if !outcome.history.rows(None).is_empty() {
             let table = table(case, outcome);
             write(folder, &format!("{name}.csv"), table.as_bytes())?;
         }
-        // A deck that stands there by this name already keeps its comments.
+        // A deck that is already stored under this name is not rewritten, which keeps its comments.
         let file = format!("{name}.toml");
         let of_run = case.runs.iter().find(|r| r.name == *name).map(|r| &r.deck);
         if let Some(deck) = &outcome.deck
@@ -98,7 +98,7 @@ fn pages(folder: &Path, validated: &Validated) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The lines of a run as it ends.
+/// Lines of a finished run.
 fn told(case: &Case, outcome: &Outcome) -> String {
     let cost = &outcome.cost;
     let how = match &outcome.verdict {
@@ -123,7 +123,7 @@ fn told(case: &Case, outcome: &Outcome) -> String {
     text
 }
 
-/// How many runs are as they must be.
+/// Number of runs that fulfil all requirements.
 fn summary(all: &[Validated]) -> String {
     let outcomes = || all.iter().flat_map(|v| &v.outcomes);
     let held = outcomes().filter(|o| o.holds()).count();

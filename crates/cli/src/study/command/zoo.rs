@@ -1,4 +1,4 @@
-//! `wythe study zoo`: random walls, run as newcomers would.
+//! `wythe study zoo`: random walls, run with default settings only.
 
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
@@ -20,7 +20,7 @@ use crate::say::print;
 const PAGE: &str = "zoo.md";
 const PICTURE: &str = "solves.svg";
 
-/// `program`: what runs a deck.
+/// Runs the study. `program` is the command that runs a deck.
 pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
     let seeds = listed(&arguments.seeds)?;
     let out = arguments.out.as_path();
@@ -44,7 +44,7 @@ pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
     };
     let (interrupt, lines) = (Interrupt::listen(), Mutex::new(()));
     let progress = |row: &ZooRow| {
-        // One at a time.
+        // The lock keeps the lines of several threads apart.
         let _lines = lines.lock();
         crate::say::tell!("{}", told(row));
     };
@@ -68,10 +68,10 @@ pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
     ))
 }
 
-/// Seeds that are so many are a slip.
+/// Largest accepted number of seeds; more are taken for a typing error.
 const AT_MOST: u64 = 100_000;
 
-/// The seeds in their order, each once.
+/// Seeds in their order, without repetition.
 fn listed(ranges: &[RangeInclusive<u64>]) -> Result<Vec<u64>, Failure> {
     let length = |r: &RangeInclusive<u64>| (r.end() - r.start()).saturating_add(1);
     let count = ranges.iter().map(length).fold(0, u64::saturating_add);
@@ -91,7 +91,7 @@ fn listed(ranges: &[RangeInclusive<u64>]) -> Result<Vec<u64>, Failure> {
     Ok(seeds)
 }
 
-/// The command that makes the page.
+/// Command that produces the page.
 fn command(rows: &[ZooRow], arguments: &Zoo) -> String {
     let mut ranges: Vec<(u64, u64)> = Vec::new();
     for row in rows {
@@ -119,7 +119,7 @@ fn command(rows: &[ZooRow], arguments: &Zoo) -> String {
     command
 }
 
-/// The line of a wall as it ends.
+/// Line of a finished wall.
 fn told(row: &ZooRow) -> String {
     let percent =
         |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{:+.2} %", 100.0 * v));
@@ -151,7 +151,7 @@ fn told(row: &ZooRow) -> String {
     line
 }
 
-/// How many came to an answer.
+/// Number of walls that reached an answer.
 fn summary(rows: &[ZooRow]) -> String {
     let answered = rows.iter().filter(|r| r.answered()).count();
     let good = rows.iter().filter(|r| r.good()).count();

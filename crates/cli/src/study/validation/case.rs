@@ -1,4 +1,4 @@
-//! A validation case: runs, what is known of them, and what is to be drawn.
+//! A validation case: runs, reference data and charts.
 
 use std::path::{Path, PathBuf};
 
@@ -10,22 +10,22 @@ use crate::study::{End, Expectation, Short, StudyError};
 use wythe_core::results::plotting::Line;
 use wythe_core::results::snapshot::FrameChoice;
 
-/// One page of the validation: a folder with `case.toml`; `docs/reference/studies.md` lists the keys.
+/// A page of the validation: a folder with `case.toml`. `docs/reference/studies.md` lists the keys.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Number of the page.
     pub number: u32,
     /// Title.
     pub title: String,
-    /// What happens and what carries.
+    /// Mechanics of the case.
     pub what: String,
-    /// Where the data come from, and how far they can be trusted.
+    /// Source of the data, and their reliability.
     pub data: String,
-    /// What agrees.
+    /// Agreement with the data.
     pub agrees: String,
-    /// What does not, and why as far as it is known.
+    /// Differences from the data, with their causes as far as they are known.
     pub differs: String,
-    /// Holds `case.toml`, references and, later, the page.
+    /// Folder of `case.toml` and the references; pages are written into it by default.
     pub folder: PathBuf,
     /// Its runs.
     pub runs: Vec<Run>,
@@ -36,34 +36,34 @@ pub struct Case {
 /// A run of a case.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Name of its files and in the tables.
+    /// Name of the run in the tables and of its files.
     pub name: String,
-    /// What it is, in a few words.
+    /// Description in a few words.
     pub about: String,
-    /// The deck's file.
+    /// File of the deck.
     pub deck: PathBuf,
-    /// The single point that is run in place of the deck's scene, if it is one.
+    /// Single material point to run instead of the model; none for a run of the model.
     pub point: Option<PointTest>,
-    /// Keys of the deck and their values.
+    /// Overrides: keys of the deck and their values.
     pub set: Vec<(String, String)>,
-    /// The form that the tests run.
+    /// Short form of the run, for the tests.
     pub short: Short,
-    /// How it must end.
+    /// Required end of the run.
     pub status: End,
-    /// Largest energy imbalance (theory/energies.md, eq. 18) [-].
+    /// Largest accepted energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
-    /// The frame whose cracks are drawn, if any.
+    /// Frame whose cracks are drawn, if any.
     pub cracks: Option<FrameChoice>,
-    /// Whether the scene is drawn.
+    /// Whether the model is drawn.
     pub drawing: bool,
-    /// What must come out, and what is told.
+    /// Expected results, and values that are only reported.
     pub expect: Vec<Expectation>,
 }
 
 /// A chart of a case.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Name of its file.
+    /// Name of the chart's file.
     pub name: String,
     /// Title.
     pub title: String,
@@ -71,33 +71,33 @@ pub struct Chart {
     pub x: Axis,
     /// Ordinate.
     pub y: Axis,
-    /// What is drawn.
+    /// Curves or points of the chart.
     pub content: Content,
-    /// What is known, in the units of the axes.
+    /// Reference curves in the units of the axes.
     pub references: Vec<Line>,
 }
 
 /// An axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// With its unit.
+    /// Label with unit.
     pub label: String,
-    /// Column of `history.csv`; none where measures are drawn.
+    /// Column of `history.csv`; none if measures are drawn.
     pub column: Option<String>,
-    /// From the column's unit to that of the axis.
+    /// Factor from the unit of the column to that of the axis.
     pub factor: f64,
 }
 
-/// What a chart shows of the runs.
+/// Content of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
-    /// One column over another. Names of runs.
+    /// One column over another, for the runs of these names.
     Curves(Vec<String>),
-    /// One measure of each run over a number given with it.
+    /// One measured value of each run over a given number.
     Measures {
-        /// Name of the expectation.
+        /// Name of the expectation that measures the value.
         expect: String,
-        /// Run and abscissa.
+        /// Name of the run and its abscissa.
         at: Vec<(String, f64)>,
     },
 }
@@ -106,13 +106,14 @@ impl Case {
     /// Reads a case from its file.
     ///
     /// # Errors
-    /// [`StudyError`]: the file, a deck or a reference cannot be read, or says something impossible.
+    /// [`StudyError`]: the file, a deck or a reference cannot be read or is invalid.
     pub fn load(path: &Path) -> Result<Self, StudyError> {
         let (text, file, folder) = text(path)?;
         Self::from_str(&text, &file, folder)
     }
 
-    /// Reads a case from a text. `file` names it in errors, `folder` holds its decks and references.
+    /// Reads a case from a text. `file` is the name used in errors, `folder` the folder of its decks and
+    /// references.
     ///
     /// # Errors
     /// As [`Case::load`].
@@ -126,7 +127,7 @@ impl Case {
         format!("{} {}", self.number, self.title)
     }
 
-    /// Name of its folder.
+    /// Name of the case's folder.
     pub fn folder_name(&self) -> String {
         let name = self.folder.file_name();
         name.map_or_else(String::new, |n| n.to_string_lossy().into_owned())
@@ -134,7 +135,7 @@ impl Case {
 }
 
 impl Run {
-    /// What it is judged by.
+    /// Criteria for the verdict on this run.
     pub fn terms(&self) -> Terms<'_> {
         Terms {
             status: self.status,
@@ -143,7 +144,7 @@ impl Run {
         }
     }
 
-    /// Keys of the deck and their values in the short or the full form; none if there is no short form.
+    /// Overrides of the short or the full form: keys of the deck and their values; none if there is no short form.
     pub fn overrides(&self, short: bool) -> Option<Vec<(String, String)>> {
         let mut set = self.set.clone();
         if !self.short.extend(&mut set, short) {
@@ -153,10 +154,10 @@ impl Run {
     }
 }
 
-/// All cases in the folders of `folder`, by number.
+/// All cases in the sub-folders of `folder`, sorted by number.
 ///
 /// # Errors
-/// [`StudyError`]: the folder cannot be read, holds no case, or one of them is wrong.
+/// [`StudyError`]: the folder cannot be read, holds no case, or a case is invalid.
 pub fn cases(folder: &Path) -> Result<Vec<Case>, StudyError> {
     let folders = listed(folder)?.into_iter();
     let files = folders.map(|path| path.join("case.toml"));

@@ -4,10 +4,10 @@ use super::case::{Chart, Content};
 use super::outcome::{Outcome, Validated};
 use wythe_core::results::plotting::{Line, curves};
 
-/// A chart as SVG text; runs that are missing are left out.
+/// A chart as SVG text. Runs without results are left out.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// The message of plotters if it cannot draw.
 pub fn chart(chart: &Chart, validated: &Validated) -> Result<String, String> {
     let runs = match &chart.content {
         Content::Curves(names) => names
@@ -29,7 +29,7 @@ pub fn chart(chart: &Chart, validated: &Validated) -> Result<String, String> {
     curves(&chart.title, axes, &runs, &chart.references)
 }
 
-/// One column over the other, from rest.
+/// Curve of one column over the other, from the state at rest.
 fn curve(chart: &Chart, validated: &Validated, outcome: &Outcome) -> Line {
     let column = |name: &Option<String>| match name {
         Some(name) => outcome.history.column(name),

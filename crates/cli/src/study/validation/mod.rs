@@ -1,4 +1,4 @@
-//! Validation: what wythe says beside what is known from tests, exact solutions and other models.
+//! Validation: results beside tests, exact solutions and other models.
 //!
 //! ```text
 //! docs/validation/NN-name/case.toml ─▶ Case ─▶ runs ─▶ Outcome ─▶ page, charts, pictures, CSV, TOML

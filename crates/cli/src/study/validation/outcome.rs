@@ -1,4 +1,4 @@
-//! Runs the runs of cases.
+//! Runs the validation cases.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -18,62 +18,62 @@ use wythe_core::results::plotting::scene;
 use wythe_core::results::snapshot::{FrameChoice, Snapshots};
 use wythe_core::results::{RunDirectory, RunFolder};
 
-/// How cases are run.
+/// Options of the validation.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The short forms instead of the full ones.
+    /// Whether the short forms are run instead of the full ones.
     pub short: bool,
-    /// Wall time that a run may take, looked at after each increment.
+    /// Largest wall time of a run, checked after each increment.
     pub limit: Duration,
-    /// Runs at a time, each on one thread.
+    /// Number of runs at a time, each on one thread.
     pub jobs: usize,
-    /// Where the folders of the runs go, a folder a case.
+    /// Folder for the results of the runs, with a sub-folder per case.
     pub folder: PathBuf,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Name of the run.
     pub name: String,
-    /// How it went.
+    /// Verdict on the run.
     pub verdict: Verdict,
-    /// What was expected or reported, as measured: those of this form, in their order.
+    /// Measured values of the expectations of this form, in their order.
     pub measured: Vec<Measured>,
-    /// What it took.
+    /// Cost of the run.
     pub cost: Cost,
     /// Energy imbalance [-].
     pub energy: f64,
-    /// Its columns.
+    /// Columns of the history.
     pub history: History,
-    /// The deck with its overrides, as TOML; none of a run that broke before.
+    /// Deck with its overrides as TOML; none if the run failed before it was built.
     pub deck: Option<String>,
-    /// The scene, as SVG, where it was asked for.
+    /// Picture of the model as SVG, if requested.
     pub scene: Option<String>,
-    /// The cracks, as SVG, where they were asked for.
+    /// Picture of the cracks as SVG, if requested.
     pub cracks: Option<String>,
 }
 
-/// A case with what came of its runs.
+/// A case with the results of its runs.
 #[derive(Clone, Debug)]
 pub struct Validated {
     /// The case.
     pub case: Case,
-    /// Whether these are the short forms.
+    /// Whether the results are those of the short forms.
     pub short: bool,
-    /// By run; those without the form that was asked for are missing.
+    /// Results in the order of the runs; runs without the requested form are missing.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Validated {
-    /// The outcome of the run of this name.
+    /// Result of the run of this name.
     pub fn outcome(&self, name: &str) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.name == name)
     }
 }
 
-/// Runs the cases. `progress` hears of each run as it ends, on any thread; `stop` is asked after each
-/// increment, and what has not begun then is missing.
+/// Runs the cases. `progress` is called with each finished run, on any thread. `stop` is called after each
+/// increment; runs that have not begun when it returns true are missing.
 pub fn validate(
     cases: &[Case],
     options: &Options,
@@ -159,7 +159,7 @@ fn outcome(case: &Case, run: &Run, options: &Options, stop: &(dyn Fn() -> bool +
     outcome
 }
 
-/// History, deck, verdict and measures of a single point.
+/// History, deck, verdict and measured values of a single point.
 type OfPoint = (History, String, Verdict, Vec<Measured>);
 
 fn point(run: &Run, test: &PointTest, short: bool) -> Result<OfPoint, String> {
@@ -177,7 +177,7 @@ fn point(run: &Run, test: &PointTest, short: bool) -> Result<OfPoint, String> {
     Ok((history, deck, verdict, measured))
 }
 
-/// A run that ended, however it did.
+/// A finished run, whatever its status.
 struct Solved {
     ended: Ended,
     cost: Cost,
@@ -194,7 +194,7 @@ fn solved(
     let overrides = of.overrides(options.short).unwrap_or_default();
     let deck = Deck::load(&of.deck, &overrides).map_err(|e| e.to_string())?;
     let (mut model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
-    // The messages are many times the rest, and nobody replays them here.
+    // The message file is many times larger than the other files, and a study does not replay it.
     model.output.mcap = false;
     let directory = RunDirectory::create(folder, &model).map_err(|e| e.to_string())?;
     let watch = Watch {
@@ -221,7 +221,7 @@ fn cracks(folder: &Path, frame: FrameChoice) -> Result<String, String> {
 }
 
 impl Outcome {
-    /// Whether it ended as it must and everything expected holds.
+    /// Whether the run ended as required and every expectation holds.
     pub fn holds(&self) -> bool {
         matches!(self.verdict, Verdict::Completed(_))
     }

@@ -17,13 +17,13 @@ impl Validated {
         expect.iter().filter(|e| e.holds_of(self.short))
     }
 
-    /// How many of them are claims.
+    /// Number of expectations of a run that state a requirement.
     fn claims(&self, outcome: &Outcome) -> usize {
         let claims = self.of_form(outcome);
         claims.filter(|e| e.wanted != Wanted::Reported).count()
     }
 
-    /// Expectations of a run with what was measured of them.
+    /// Expectations of a run with their measured values.
     fn expected<'a>(
         &'a self,
         outcome: &'a Outcome,
@@ -31,14 +31,14 @@ impl Validated {
         self.of_form(outcome).zip(&outcome.measured)
     }
 
-    /// What was measured of an expectation of a run, by their names.
+    /// Measured value of an expectation, by the names of the run and the expectation.
     pub(super) fn measured(&self, run: &str, expect: &str) -> Option<&Measured> {
         let mut all = self.expected(self.outcome(run)?);
         all.find(|(e, _)| e.name == expect).map(|(_, m)| m)
     }
 }
 
-/// The page of a case; its pictures, tables and decks stand beside it.
+/// The page of a case; its pictures, tables and decks lie beside it.
 pub fn page(validated: &Validated) -> String {
     let case = &validated.case;
     let mut page = format!("# {}\n\n{}\n\n", case.name(), case.what.trim());
@@ -46,8 +46,8 @@ pub fn page(validated: &Validated) -> String {
         let name = &outcome.name;
         let _ = writeln!(page, "![The scene of {name}]({name}_scene.svg)\n");
     }
-    let _ = write!(page, "## What is known\n\n{}\n\n", case.data.trim());
-    let _ = write!(page, "## What comes out\n\n");
+    let _ = write!(page, "## Reference data\n\n{}\n\n", case.data.trim());
+    let _ = write!(page, "## Results\n\n");
     for chart in &case.charts {
         let what = match &chart.content {
             Content::Curves(_) => "curves",
@@ -56,7 +56,7 @@ pub fn page(validated: &Validated) -> String {
         let (title, name) = (&chart.title, &chart.name);
         let _ = writeln!(
             page,
-            "![{title}: {what} of the runs over what is known]({name}.svg)\n"
+            "![{title}: {what} of the runs and reference data]({name}.svg)\n"
         );
     }
     measures(&mut page, validated);
@@ -70,20 +70,20 @@ pub fn page(validated: &Validated) -> String {
     }
     let _ = write!(
         page,
-        "\n## What agrees\n\n{}\n\n## What does not\n\n{}\n\n",
+        "\n## Agreement\n\n{}\n\n## Differences\n\n{}\n\n",
         case.agrees.trim(),
         case.differs.trim()
     );
     let _ = writeln!(
         page,
-        "Redo it with `wythe study validation --only {}`. Decks and curves stand beside this page, by the names of the \
-         runs.",
+        "`wythe study validation --only {}` repeats this case. Decks and curves lie beside this page under the names of \
+         the runs.",
         case.number
     );
     page
 }
 
-/// What was measured, run by run.
+/// Appends the measured values of all runs.
 fn measures(page: &mut String, validated: &Validated) {
     page.push_str("| Run | | Measured | Known | Difference | |\n|---|---|---|---|---|---|\n");
     for outcome in &validated.outcomes {
@@ -103,7 +103,7 @@ fn measures(page: &mut String, validated: &Validated) {
                 (_, false) => "**does not hold**",
             };
             let value = match (&expect.measure, expect.wanted) {
-                // A distance, part of the largest ordinate.
+                // Difference from a curve, relative to the largest ordinate.
                 (Measure::Curve { .. }, Wanted::Reported) => {
                     format!("{} off", percent(measured.value).trim_start_matches('+'))
                 }
@@ -151,16 +151,16 @@ fn cost(page: &mut String, validated: &Validated) {
     }
 }
 
-/// The page that lists the cases, whose pages stand in `folder`. Rows of others are taken over from the page
-/// `before`.
+/// The page that lists the cases, whose pages lie in `folder`. Rows of cases that were not run are copied from the
+/// page `before`.
 pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     let mut page = String::from(
         "# Validation\n\n\
-         What wythe says beside what is known: experiments, exact solutions, other models. Nothing is fitted to them; \
-         where a value had to be chosen, its page says so. Each page has the scene, the data with their source and how \
-         far they can be trusted, curves, cracks, what agrees and what does not; decks and curves stand beside it.\n\n\
-         Redo all with `wythe study validation`, one with `--only`; the tests run the short forms \
-         (`tests/validation/cases.rs`). CPU: one thread, other work beside it.\n\n\
+         Results of wythe beside experiments, exact solutions and other models. Nothing is fitted to them; where a\n\
+         value had to be chosen, its page says so. Each page has the scene, the data with their source and\n\
+         reliability, curves, cracks, agreement and differences; decks and curves lie beside it.\n\n\
+         `wythe study validation` repeats all cases, with `--only` one of them; the tests run the short forms\n\
+         (`tests/validation/cases.rs`). CPU times are those of one thread on a machine with other load.\n\n\
          | Case | runs | claims that hold | largest difference | CPU s |\n|---|---|---|---|---|\n",
     );
     let kept = before
@@ -171,7 +171,7 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
         let case = &validated.case;
         let (mut claims, mut held, mut worst) = (0, 0, None::<f64>);
         for outcome in &validated.outcomes {
-            // Of a run that broke nothing was measured, and nothing holds.
+            // A run that failed has no measured values: none of its requirements holds.
             claims += validated.claims(outcome);
             for (expect, measured) in validated.expected(outcome) {
                 if expect.wanted == Wanted::Reported {
@@ -206,7 +206,7 @@ pub fn index(all: &[Validated], folder: &str, before: &str) -> String {
     page
 }
 
-/// Runs that do not end as they must, or of which not all that is claimed holds, for a row of the index.
+/// Note for a row of the index on runs that end otherwise than required or have an expectation that does not hold.
 fn failed(validated: &Validated) -> String {
     let failed = validated.outcomes.iter().filter(|o| !o.holds());
     let names: Vec<&str> = failed.map(|o| o.name.as_str()).collect();
@@ -217,12 +217,12 @@ fn failed(validated: &Validated) -> String {
     }
 }
 
-/// The number of the case that a row of the index tells of.
+/// Number of the case in a row of the index.
 fn numbered(row: &str) -> Option<u32> {
     row.strip_prefix("| [")?.split(' ').next()?.parse().ok()
 }
 
-/// The columns of a run that a chart or an expectation of its case reads, as CSV.
+/// Columns of a run that a chart or an expectation of its case reads, as CSV.
 pub fn table(case: &Case, outcome: &Outcome) -> String {
     let mut columns = vec!["time".to_owned()];
     let mut take = |name: &str| {
@@ -257,7 +257,7 @@ pub fn table(case: &Case, outcome: &Outcome) -> String {
     text
 }
 
-/// How a run ended, where that is not as it should be.
+/// End of a run in words if it differs from the required one.
 fn ended(outcome: &Outcome) -> String {
     match &outcome.verdict {
         Verdict::Completed(_) => "ended as it must".to_owned(),
@@ -296,7 +296,7 @@ fn wanted(wanted: Wanted) -> String {
     }
 }
 
-/// Five significant digits.
+/// A number with five significant digits.
 fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

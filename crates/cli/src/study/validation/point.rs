@@ -1,4 +1,4 @@
-//! A run of a single material point: no mesh, the law alone.
+//! A run of a single material point: the constitutive law without a mesh.
 
 use std::num::NonZeroUsize;
 
@@ -8,22 +8,22 @@ use crate::study::History;
 use wythe_core::deck::Deck;
 use wythe_core::point::{MATERIAL, Row, Target, material_path, material_state};
 
-/// A virgin point of a material that is strained in proportion.
+/// A virgin material point under proportional strain.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointTest {
-    /// Its material in the deck; tables are taken as given, a point has no size.
+    /// Name of its material in the deck. Softening tables are used as given, because a point has no element size.
     pub material: String,
     /// Strain at the end [-]: xx, yy, zz, and engineering shear xy, yz, zx.
     pub strain: [f64; 6],
-    /// Components that take no stress, by the names of [`MATERIAL`]; their strain is found.
+    /// Components without stress, by their names in [`MATERIAL`]; their strains are unknowns.
     #[serde(default)]
     pub free: Vec<String>,
-    /// Rows of the path.
+    /// Number of rows of the path.
     pub rows: NonZeroUsize,
 }
 
-/// Names of the columns of a point's history.
+/// Column names of a point's history.
 pub fn columns() -> Vec<String> {
     let layout = MATERIAL;
     let names = layout.strains.iter().chain(&layout.stresses);
@@ -35,13 +35,13 @@ pub fn columns() -> Vec<String> {
 }
 
 impl PointTest {
-    /// A component that is none, if one is named.
+    /// First name in `free` that is not a component; none if all are valid.
     pub fn unknown(&self) -> Option<&String> {
         let known = |name: &&String| !MATERIAL.components.contains(&name.as_str());
         self.free.iter().find(known)
     }
 
-    /// Takes the point along its path: what it answers, and why it stopped if it did.
+    /// Drives the point along its path. Returns its history, and the reason if it stopped before the end.
     ///
     /// # Errors
     /// The deck has no such material, in words.

@@ -1,4 +1,4 @@
-//! `case.toml` of a validation case as written, and what is checked of it.
+//! The file `case.toml` of a validation case, and its checks.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use wythe_core::error::ModelError;
 use wythe_core::results::plotting::Line;
 use wythe_core::results::snapshot::FrameChoice;
 
-/// The serde mirror of `case.toml`.
+/// Keys of `case.toml` for serde.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseFile {
@@ -124,20 +124,20 @@ pub fn advice(_path: &str) -> String {
     "docs/reference/studies.md lists the keys of a validation case".to_owned()
 }
 
-/// A name that is good for a file.
+/// Whether a name is suitable for a file.
 fn is_file_name(name: &str) -> bool {
     let good = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
     !name.is_empty() && name.chars().all(good)
 }
 
-/// Where a message points, in its file.
+/// Source of a file and its folder, for messages.
 struct At<'a> {
     source: &'a Source,
     folder: &'a Path,
 }
 
 impl CaseFile {
-    /// The case, if all of it makes sense.
+    /// Builds the case after all checks.
     pub fn checked(self, source: &Source, folder: &Path) -> Result<Case, StudyError> {
         let at = At { source, folder };
         let mut runs: Vec<Run> = Vec::new();
@@ -181,8 +181,8 @@ impl At<'_> {
         error.into()
     }
 
-    /// Refuses names by which the study would write over what the case reads, or over what it has written: a run has
-    /// its history and its deck beside the case, a chart its picture.
+    /// Rejects names that would make the study overwrite an input of the case or its own output. A run writes its
+    /// history and its deck beside the case, a chart its picture.
     fn spared(
         &self,
         runs: &[Run],
@@ -195,7 +195,7 @@ impl At<'_> {
         for (i, run) in runs.iter().enumerate() {
             let file = |end: &str| self.folder.join(format!("{}{end}", run.name));
             let own = file(".toml");
-            // A deck that stands there by this name already is not written.
+            // A deck that is already stored under this name is not written.
             let decks = runs.iter().map(|r| &r.deck).filter(|_| run.deck != own);
             let mut spared = read.iter().chain(decks);
             if let Some(over) = spared.find(|read| **read == file(".csv") || **read == own) {
@@ -217,7 +217,7 @@ impl At<'_> {
         Ok(())
     }
 
-    /// Refuses keys that are there and not read where this is so.
+    /// Rejects keys that are given but not read, if `so`.
     fn unread(
         &self,
         path: &str,
@@ -234,7 +234,7 @@ impl At<'_> {
         }
     }
 
-    /// A run and the columns of its history.
+    /// Builds a run and the columns of its history.
     fn run(
         &self,
         path: &str,
@@ -291,7 +291,7 @@ impl At<'_> {
         Ok((run, columns))
     }
 
-    /// What is expected of a run whose history has these columns.
+    /// Expectations of a run whose history has these columns.
     fn expect(
         &self,
         path: &str,
@@ -340,7 +340,7 @@ impl At<'_> {
         })
     }
 
-    /// What a chart shows.
+    /// Content of a chart.
     fn content(
         &self,
         path: &str,
@@ -395,7 +395,7 @@ impl At<'_> {
         }
     }
 
-    /// What is known, in the units of the axes.
+    /// Reference curve in the units of the axes.
     fn reference(&self, written: &ReferenceFile) -> Result<Line, StudyError> {
         let file = self.folder.join(&written.file);
         let points = curve::read(&file, &written.x, &written.y)?;

@@ -1,13 +1,14 @@
-//! The zoo: random walls, realistic ones, run as newcomers would run them. Does the default carry each to its end, at a
-//! bounded cost, with closed energies?
+//! The zoo: realistic random walls, run with default settings only. The study checks that each run reaches its end
+//! at a bounded cost, with balanced energies.
 //!
 //! ```text
-//! seed ─▶ Wall (its deck) ─▶ a process: wythe run ─▶ folder of the run ─▶ ZooRow ─▶ zoo.csv ─▶ page (Markdown), histogram
+//! seed ─▶ Wall (its deck) ─▶ a process: wythe run ─▶ folder of the run ─▶ ZooRow ─▶ zoo.csv ─▶ page, histogram
 //!                                                          careful run ─▶ differences ─┘
 //! ```
 //!
-//! Each wall is run in a process of its own. A recorder is asked between increments only: it could not end a wall that
-//! hangs within one, and a panic, a full memory or an overflown stack would take the other walls with it.
+//! Each wall is run in a process of its own. A recorder is called between increments only: it could not end a run
+//! that hangs within an increment, and a panic, exhausted memory or a stack overflow would end the runs of the
+//! other walls too.
 
 mod page;
 mod process;

@@ -1,4 +1,4 @@
-//! The zoo as a page of Markdown, and its histogram.
+//! Page of the zoo as Markdown, and its histogram.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,12 @@ use super::row::{AREA, CRASHED, ENERGY, OUT_OF_TIME, PEAK, REFUSED, SOLVES, ZooR
 use super::study::Folder;
 use wythe_core::results::plotting::{self, Bars};
 
-/// Median of the solves that is aimed at.
+/// Target for the median number of solves.
 const MEDIAN: usize = 350;
-/// 95th percentile that is aimed at.
+/// Target for the 95th percentile of the number of solves.
 const MOST: usize = 1500;
 
-/// Statuses with a colour of their own in the histogram; all others share the next one.
+/// Statuses with their own colour in the histogram; all others share the next colour.
 const COLOURED: [&str; 5] = [
     "completed",
     "collapsed",
@@ -20,10 +20,10 @@ const COLOURED: [&str; 5] = [
     CRASHED,
 ];
 
-/// Solves of all walls as SVG text; none where no wall was solved.
+/// Histogram of the solves of all walls as SVG text; none if no wall was solved.
 ///
 /// # Errors
-/// What plotters says if it cannot draw.
+/// The message of plotters if it cannot draw.
 pub fn histogram(rows: &[ZooRow]) -> Result<Option<String>, String> {
     let of_status = |(name, _): (String, usize)| {
         let solved = rows.iter().filter(|r| r.status == name && r.solves > 0);
@@ -43,7 +43,7 @@ pub fn histogram(rows: &[ZooRow]) -> Result<Option<String>, String> {
     plotting::histogram("Solves of the zoo", "linear solves", "walls", &series).map(Some)
 }
 
-/// The page. `picture`: its histogram, beside it, if there is one; `command`: what makes it.
+/// The page. `picture` is the file name of the histogram beside it, if there is one; `command` produces the page.
 pub fn page(rows: &[ZooRow], picture: Option<&str>, command: &str) -> String {
     let mut page = format!(
         "# The zoo\n\nRandom walls, each drawn from its seed and run as a newcomer would: every key of the solver has its \
@@ -61,7 +61,7 @@ pub fn page(rows: &[ZooRow], picture: Option<&str>, command: &str) -> String {
     page
 }
 
-/// Every status with its number of walls: answers first, then by number.
+/// Number of walls of each status: answers first, then by decreasing number.
 fn statuses(rows: &[ZooRow]) -> Vec<(String, usize)> {
     let mut counts: BTreeMap<&str, (bool, usize)> = BTreeMap::new();
     for row in rows {
@@ -75,7 +75,8 @@ fn statuses(rows: &[ZooRow]) -> Vec<(String, usize)> {
         .collect()
 }
 
-/// The least value that so many of all do not exceed; none of nothing. `part`: of all, 0 to 1.
+/// Smallest value that is not exceeded by this part of all values; none if there are no values. `part` is between
+/// 0 and 1.
 fn quantile(values: impl Iterator<Item = usize>, part: f64) -> Option<usize> {
     let mut sorted: Vec<usize> = values.collect();
     sorted.sort_unstable();
@@ -87,7 +88,7 @@ fn told(value: Option<usize>) -> String {
     value.map_or("–".to_owned(), |v| v.to_string())
 }
 
-/// Summary figures and the aims beside them.
+/// Appends summary figures beside their targets.
 fn figures(page: &mut String, rows: &[ZooRow]) {
     let sound = || rows.iter().filter(|r| r.status != REFUSED);
     let solves = || sound().map(|r| r.solves);
@@ -140,7 +141,7 @@ fn figures(page: &mut String, rows: &[ZooRow]) {
     );
 }
 
-/// A line for each load.
+/// Appends a line for each kind of load.
 fn loads(page: &mut String, rows: &[ZooRow]) {
     let mut of_loads: BTreeMap<&str, Vec<&ZooRow>> = BTreeMap::new();
     for row in rows {
@@ -161,8 +162,8 @@ fn loads(page: &mut String, rows: &[ZooRow]) {
     }
 }
 
-/// What is worst about a wall, for the order of the table: no answer, wrong energies, a wrong curve, many solves. Walls that
-/// are refused come last: their decks are wrong.
+/// Rank of a wall in the table, by its worst deficiency: no answer, unbalanced energies, a curve far from its
+/// reference, many solves. Walls that are rejected come last, because their decks are invalid.
 fn badness(row: &ZooRow) -> (u8, usize) {
     let kind = if row.status == REFUSED {
         4
@@ -178,7 +179,7 @@ fn badness(row: &ZooRow) -> (u8, usize) {
     (kind, usize::MAX - row.solves)
 }
 
-/// Every wall, the worst first.
+/// Appends the table of all walls, the worst first.
 fn walls(page: &mut String, rows: &[ZooRow]) {
     let mut order: Vec<&ZooRow> = rows.iter().collect();
     order.sort_by_key(|row| badness(row));
@@ -232,13 +233,13 @@ fn walls(page: &mut String, rows: &[ZooRow]) {
     }
 }
 
-/// The folder of a wall's run, and its deck.
+/// Links to the folder of a wall's run and to its deck.
 fn links(seed: u64) -> String {
     let walls = Folder::WALLS;
     format!("[{seed}]({walls}/{seed}.out) ([deck]({walls}/{seed}.toml))")
 }
 
-/// A wall in a few words.
+/// Description of a wall in a few words.
 fn wall(row: &ZooRow) -> String {
     let joint = match row.joint_mm {
         0.0 => "dry".to_owned(),
@@ -313,7 +314,7 @@ mod tests {
         );
         assert!(text.contains("of 1 compared with a careful run"));
         assert!(text.find(&links(1)).unwrap() < text.find(&links(2)).unwrap());
-        // Tables have as many cells in each line.
+        // All lines of a table must have the same number of cells.
         let cells = |line: &str| line.replace("\\|", "").matches('|').count();
         let table = text.split("worst first").nth(1).unwrap();
         let lines: Vec<&str> = table.lines().filter(|l| l.starts_with('|')).collect();

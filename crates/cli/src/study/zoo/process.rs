@@ -1,4 +1,4 @@
-//! A run in a process of its own, ended when its time is up.
+//! A run in a process of its own, which is ended at its time limit.
 
 use std::ffi::OsString;
 use std::io::{self, Read};
@@ -9,27 +9,28 @@ use std::time::{Duration, Instant};
 use super::row::Ended;
 use wythe_core::results::usage;
 
-/// How often the process is looked at.
+/// Interval between two checks of the process.
 const PAUSE: Duration = Duration::from_millis(20);
-/// How long it may take to end by itself after the user asked to stop: Ctrl-C on a terminal reaches it, too.
+/// Time in which the process may end by itself after the user asked to stop: Ctrl-C on a terminal reaches it too.
 const GRACE: Duration = Duration::from_secs(5);
-/// Wall time that it may take, over its CPU time, where the machine is busy: one that waits for ever uses no CPU.
+/// Largest wall time over the limit of CPU time, for a busy machine: a process that waits for ever uses no CPU
+/// time.
 const BUSY: f64 = 20.0;
 
 /// A call of `program run DECK --out FOLDER`.
 #[derive(Clone, Copy)]
 pub struct Call<'a> {
-    /// The program, and what comes before `run`.
+    /// The program, with the arguments that precede `run`.
     pub program: &'a [OsString],
     pub deck: &'a Path,
     pub folder: &'a Path,
     pub set: &'a [(String, String)],
     pub threads: usize,
-    /// Limit of CPU time where the system tells it of another process, of wall time elsewhere.
+    /// Limit of CPU time if the system reports that of another process, of wall time elsewhere.
     pub limit: Duration,
 }
 
-/// Runs a program. None: the user stopped it. What the process wrote until then stays.
+/// Runs a program. Returns none if the user stopped it. Files written by the process remain.
 ///
 /// # Errors
 /// The process cannot be started or waited for.
@@ -55,11 +56,11 @@ pub fn run(call: &Call<'_>, stop: &(dyn Fn() -> bool + Sync)) -> io::Result<Opti
     let mut child = command.spawn()?;
     let mut errors = child.stderr.take();
     std::thread::scope(|scope| {
-        // Read as it comes: a full pipe would stop the run.
+        // Standard error is read while the process runs: a full pipe would block the process.
         let said = scope.spawn(move || {
             let mut bytes = Vec::new();
             if let Some(errors) = &mut errors {
-                // Half of a message is better than none.
+                // A part of a message is better than none.
                 let _ = errors.read_to_end(&mut bytes);
             }
             String::from_utf8_lossy(&bytes).into_owned()
@@ -73,7 +74,7 @@ pub fn run(call: &Call<'_>, stop: &(dyn Fn() -> bool + Sync)) -> io::Result<Opti
     })
 }
 
-/// Waits for the end, or makes it.
+/// Waits until the process ends, or ends it at its limit.
 fn wait(
     child: &mut Child,
     limit: Duration,
@@ -83,7 +84,7 @@ fn wait(
     let mut asked: Option<Instant> = None;
     let mut cpu_s = 0.0;
     loop {
-        // Before the process is waited for: afterwards the system has forgotten it.
+        // The CPU time must be read before the exit status: afterwards the system has discarded it.
         let cpu = usage::cpu_seconds_of(child.id());
         let elapsed = started.elapsed().as_secs_f64();
         cpu_s = cpu.unwrap_or(elapsed).max(cpu_s);
@@ -114,7 +115,7 @@ fn wait(
     }
 }
 
-/// Ends it at once. It may have ended by itself meanwhile, which is no error.
+/// Ends the process at once. An error is ignored: the process may have ended already.
 fn end(child: &mut Child) {
     let _ = child.kill();
     let _ = child.wait();
@@ -124,7 +125,7 @@ fn end(child: &mut Child) {
 mod tests {
     use super::*;
 
-    /// A program in the place of wythe: it gets `run DECK …` as `$1`, `$2` ….
+    /// A program in place of wythe: it receives `run DECK …` as `$1`, `$2` ….
     fn shell(script: &str) -> Vec<OsString> {
         ["sh", "-c", script, "sh"].map(OsString::from).to_vec()
     }

@@ -1,8 +1,8 @@
-//! The random numbers of Python's `random.Random(seed)`, so that a wall is the same one whether Python or Rust draws it.
+//! Random numbers of Python's `random.Random(seed)`, so that Python and Rust draw the same wall from a seed.
 //!
-//! The generator is MT19937 (Matsumoto and Nishimura, 1998). What CPython adds to it (Modules/_randommodule.c,
-//! Lib/random.py, the same since Python 3.2) is written here: how an integer becomes a seed, and how words become
-//! fractions and choices.
+//! The generator is MT19937 (Matsumoto and Nishimura, 1998). This file implements the parts that CPython adds to
+//! it (Modules/_randommodule.c, Lib/random.py, unchanged since Python 3.2): the seed from an integer, and
+//! fractions and choices from 32-bit words.
 
 use rand_mt::Mt;
 
@@ -10,7 +10,8 @@ use rand_mt::Mt;
 pub struct PythonRandom(Mt);
 
 impl PythonRandom {
-    /// `random.Random(seed)`: the key of `init_by_array` has the 32-bit digits of the seed, lowest first, one at least.
+    /// `random.Random(seed)`: the key of `init_by_array` consists of the 32-bit digits of the seed, the lowest
+    /// first, at least one.
     pub fn new(seed: u64) -> Self {
         let (low, high) = (seed as u32, (seed >> 32) as u32);
         let digits = if high == 0 { 1 } else { 2 };
@@ -28,7 +29,8 @@ impl PythonRandom {
         a + (b - a) * self.random()
     }
 
-    /// `choice(of)`: the highest bits of a word, as many as the length of the list has, until they are below it.
+    /// `choice(of)`: takes the highest bits of a word, as many as the length of the list has, and repeats until
+    /// they are less than the length.
     ///
     /// # Panics
     /// The list is empty.
@@ -48,13 +50,14 @@ impl PythonRandom {
 mod tests {
     use super::*;
 
-    /// Python 3.11: `r = random.Random(seed); r.random(), r.uniform(-2, 5), r.choice(range(10)), r.choice(range(8)), r.random()`.
+    /// Values of Python 3.11: `r = random.Random(seed); r.random(), r.uniform(-2, 5), r.choice(range(10)),
+    /// r.choice(range(8)), r.random()`.
     #[test]
     fn numbers_are_those_of_python() {
         for (seed, random, uniform, choices, last) in STORED {
             let mut random_numbers = PythonRandom::new(seed);
             let tens: Vec<u32> = (0..10).collect();
-            // The same operations in the same order: not a bit differs.
+            // The operations and their order are those of Python, so all bits agree.
             assert_eq!(random_numbers.random(), random, "{seed}");
             assert_eq!(random_numbers.uniform(-2.0, 5.0), uniform, "{seed}");
             assert_eq!(random_numbers.choice(&tens), choices[0], "{seed}");

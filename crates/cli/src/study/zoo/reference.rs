@@ -1,19 +1,21 @@
-//! The careful run that a wall is compared with: increments a tenth, consistent tangents, a tenth of their tolerance.
+//! The careful run that a wall is compared with: a tenth of the increments, consistent tangents, a tenth of their
+//! tolerance.
 
 use wythe_core::model::Model;
 use wythe_core::results::Curve;
 use wythe_core::results::comparison::points_of;
 
-/// Parts of the increments that the default takes.
+/// Increments of the careful run over those of the default.
 const PART: f64 = 0.1;
-/// Out of balance, of the mean nodal force: a tenth of the default of consistent tangents.
+/// Tolerance of the out-of-balance force over the mean nodal force: a tenth of the default for consistent
+/// tangents.
 const RESIDUAL: f64 = 5e-4;
-/// Iterations that it may take to that.
+/// Largest number of iterations to reach that tolerance.
 const ITERATIONS: u32 = 60;
-/// Displacements that differ by less are the same one, of the range.
+/// Displacements that differ by less than this part of the range are equal [-].
 const SAME: f64 = 1e-6;
 
-/// Keys of the deck of a model, and their values, that make its run a careful one.
+/// Overrides of a model's deck that make its run a careful one.
 pub fn careful(model: &Model) -> Vec<(String, String)> {
     let mut set = Vec::new();
     for (i, step) in model.steps.iter().enumerate() {
@@ -24,7 +26,7 @@ pub fn careful(model: &Model) -> Vec<(String, String)> {
             (PART * increments.initial).to_string(),
         );
         say("increments.max", (PART * increments.max).to_string());
-        // The smallest is no larger than the first.
+        // The smallest increment must not exceed the first.
         say(
             "increments.min",
             increments.min.min(PART * increments.initial).to_string(),
@@ -37,10 +39,10 @@ pub fn careful(model: &Model) -> Vec<(String, String)> {
     set
 }
 
-/// How far a curve is from its reference.
+/// Difference between a curve and its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
-    /// Displacement up to which they are compared: where the first of them ends [mm].
+    /// End of the comparison: the displacement at which the first of the curves ends [mm].
     pub to: f64,
     /// Largest force over that of the reference, less 1 [-].
     pub peak: f64,
@@ -49,9 +51,9 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Compares two curves up to where the first of them ends. None where one has no points, or where one of a drive to
-    /// and fro ended early: which of its turns belong together is not told by the displacement. `completed`: both came to
-    /// their end.
+    /// Compares two curves up to the displacement at which the first of them ends. `completed`: both runs reached
+    /// their end. Returns none if a curve has no points, or if a cyclic run ended early: its displacement does not
+    /// show which reversals of the two runs correspond.
     pub fn of(run: &Curve, reference: &Curve, completed: bool) -> Option<Self> {
         let ends = [run.final_displacement()?, reference.final_displacement()?];
         if !completed && (run.turns_back() || reference.turns_back()) {
@@ -77,7 +79,7 @@ impl Difference {
     }
 }
 
-/// Leaves the curve up to where it first comes to `to`, linear between its points; `side`: 1 or −1, where it goes.
+/// Cuts the curve where it first reaches `to`, by linear interpolation; `side` is its direction, 1 or −1.
 fn cut(curve: &mut Vec<(f64, f64)>, to: f64, side: f64) {
     let Some(beyond) = curve.iter().position(|p| side * (p.0 - to) >= 0.0) else {
         return;
@@ -112,13 +114,13 @@ mod tests {
     fn curves_are_compared_up_to_where_the_first_ends() {
         let higher = RAMP.map(|(x, y)| (x, 1.1 * y));
         let all = of(&higher, &RAMP).unwrap();
-        // Products and sums of a few numbers.
+        // The tolerance allows for rounding in products and sums of a few numbers.
         assert!((all.peak - 0.1).abs() < 1e-12 && (all.area - 0.1).abs() < 1e-12);
         assert_eq!(all.to, 2.0);
         let short = of(&[(0.0, 0.0), (0.5, 6.0)], &RAMP).unwrap();
         assert_eq!(short.to, 0.5);
         assert!((short.peak - 0.2).abs() < 1e-12 && (short.area - 0.2).abs() < 1e-12);
-        // A drive the other way.
+        // A drive in the opposite direction.
         let back = |curve: &[(f64, f64)]| curve.iter().map(|p| (-p.0, -p.1)).collect::<Vec<_>>();
         let other = of(&back(&[(0.0, 0.0), (0.5, 6.0)]), &back(&RAMP)).unwrap();
         assert_eq!(
@@ -139,7 +141,7 @@ mod tests {
         ];
         let [whole, half] = [&cycle[..], &cycle[..3]].map(Curve::of_points);
         assert_eq!(Difference::of(&whole, &whole, true).unwrap().area, 0.0);
-        // It ends where the whole does, by chance.
+        // The curve ends at the same displacement as the whole curve by chance.
         assert_eq!(Difference::of(&half, &whole, false), None);
     }
 

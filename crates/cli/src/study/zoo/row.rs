@@ -1,4 +1,4 @@
-//! `zoo.csv`: a row a wall.
+//! The table `zoo.csv`: a row per wall.
 
 use std::io;
 use std::path::Path;
@@ -11,122 +11,122 @@ use wythe_core::error::IoError;
 use wythe_core::results::{ReadError, RunFolder, SummaryFile};
 use wythe_core::state::EnergyBalance;
 
-/// How a run ended that wrote no summary: its time was up.
+/// Status of a run that exceeded its time limit and wrote no summary.
 pub const OUT_OF_TIME: &str = "out_of_time";
-/// It was refused as a wrong model.
+/// Status of a run whose model was rejected.
 pub const REFUSED: &str = "refused";
-/// It ended by itself in another way.
+/// Status of a run that ended in another way.
 pub const CRASHED: &str = "crashed";
-/// How runs end that came to an answer, as summaries name it.
+/// Statuses in summaries of runs that reached an answer.
 const ANSWERS: [&str; 2] = ["completed", "collapsed"];
 
-/// Energies that are out by more are wrong [-].
+/// Largest accepted energy imbalance [-].
 pub const ENERGY: f64 = 0.01;
-/// Linear solves that no wall should need.
+/// Number of linear solves that no wall should need.
 pub const SOLVES: usize = 5000;
-/// Differences from the reference that are accepted, of the peak and of the area under the curve [-].
+/// Accepted difference from the reference, of the peak [-].
 pub const PEAK: f64 = 0.02;
-/// See [`PEAK`].
+/// Accepted difference from the reference, of the area under the curve [-].
 pub const AREA: f64 = 0.05;
 
-/// A wall and what became of it. Its fields are the columns of `zoo.csv`.
+/// A wall and the result of its run. The fields are the columns of `zoo.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[expect(non_snake_case, reason = "units are written as in summary.json")]
 // More than 15 fields: one for each column of the table.
 pub struct ZooRow {
-    /// What the wall is drawn from.
+    /// Seed of the wall.
     pub seed: u64,
     /// Length × thickness × height of a unit [mm].
     pub unit: String,
-    /// Joints [mm].
+    /// Thickness of the joints [mm].
     pub joint_mm: f64,
     /// Bond.
     pub bond: String,
     /// Length of the wall [mm].
     pub length_mm: f64,
-    /// Courses.
+    /// Number of courses.
     pub courses: usize,
     /// Whether it has an opening.
     pub opening: bool,
-    /// What is done to it.
+    /// Kind of load.
     pub load: String,
-    /// Pressure on top; none where it is not pressed [MPa].
+    /// Pressure on top; none if there is no pressure [MPa].
     pub pressure_MPa: Option<f64>,
-    /// Strengths of the units [MPa].
+    /// Tensile strength of the units [MPa].
     pub brick_f_t_MPa: f64,
-    /// In compression.
+    /// Compressive strength of the units [MPa].
     pub brick_f_c_MPa: f64,
-    /// Strengths of the mortar; none of a dry wall [MPa].
+    /// Tensile strength of the mortar; none for a dry wall [MPa].
     pub mortar_f_t_MPa: Option<f64>,
-    /// In compression.
+    /// Compressive strength of the mortar; none for a dry wall [MPa].
     pub mortar_f_c_MPa: Option<f64>,
     /// Tensile strength of the joints [MPa].
     pub joint_f_t_MPa: f64,
-    /// Their cohesion [MPa].
+    /// Cohesion of the joints [MPa].
     pub joint_c_MPa: f64,
-    /// Their friction at first [-].
+    /// Initial friction coefficient of the joints [-].
     pub joint_tan_phi: f64,
-    /// As the summary says it, or `OUT_OF_TIME`, `REFUSED`, `CRASHED`.
+    /// Status from the summary, or `OUT_OF_TIME`, `REFUSED`, `CRASHED`.
     pub status: String,
-    /// Bodies; none of a run without a summary.
+    /// Number of bodies; none for a run without a summary.
     pub units: Option<usize>,
-    /// Unknowns.
+    /// Number of unknowns.
     pub dofs: Option<usize>,
     /// Largest force along the motion [kN].
     pub peak_force_kN: Option<f64>,
-    /// Displacement there [mm].
+    /// Displacement at the largest force [mm].
     pub displacement_at_peak_mm: Option<f64>,
     /// Last displacement [mm].
     pub final_displacement_mm: Option<f64>,
-    /// Converged increments.
+    /// Number of converged increments.
     pub increments: usize,
-    /// Linear solves; of a run without a summary those of its increments.
+    /// Number of linear solves; for a run without a summary, those of its increments.
     pub solves: usize,
-    /// Cut-backs.
+    /// Number of cut-backs.
     pub cutbacks: usize,
     /// CPU time [s].
     pub cpu_s: f64,
-    /// CPU time that it had [s].
+    /// Limit of its CPU time [s].
     pub limit_s: f64,
-    /// See [`EnergyBalance`] [-].
+    /// Energy imbalance, see [`EnergyBalance`] [-].
     pub energy_balance_error: Option<f64>,
     /// Number of warnings.
     pub warnings: usize,
-    /// How the reference ended; empty where there is none.
+    /// Status of the reference; empty if there is none.
     pub reference_status: String,
-    /// Its peak [kN].
+    /// Peak force of the reference [kN].
     pub reference_peak_force_kN: Option<f64>,
-    /// Its linear solves.
+    /// Number of linear solves of the reference.
     pub reference_solves: Option<usize>,
-    /// Displacement up to which the two are compared [mm].
+    /// Displacement at which the comparison ends [mm].
     pub compared_to_mm: Option<f64>,
     /// Peak over that of the reference, less 1 [-].
     pub peak_difference: Option<f64>,
     /// Area under the curve over that of the reference, less 1 [-].
     pub area_difference: Option<f64>,
-    /// What the run said of its end.
+    /// Message of the run at its end.
     pub message: String,
 }
 
-/// How the process of a run ended, see [`run`](super::process::run).
+/// End of a run's process, see [`run`](super::process::run).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
-    /// Its time was up.
+    /// Whether the process exceeded its time limit.
     pub out_of_time: bool,
-    /// Its exit code; none where a signal ended it.
+    /// Exit code; none if a signal ended the process.
     pub code: Option<i32>,
     /// CPU time [s].
     pub cpu_s: f64,
-    /// Its errors.
+    /// Text of standard error.
     pub stderr: String,
 }
 
 impl ZooRow {
-    /// The columns that say which wall it is.
+    /// A row with the columns that describe the wall.
     pub fn of_wall(wall: &Wall) -> Self {
         let [l, t, h] = wall.unit;
         let mortar = Some(wall.mortar).filter(|_| wall.joint > 0.0);
-        // Its air bag presses a wall from the side only.
+        // The load case with an air bag has no pressure on top.
         let pressed = wall.load != super::Load::Airbag;
         Self {
             seed: wall.seed,
@@ -149,10 +149,10 @@ impl ZooRow {
         }
     }
 
-    /// Takes in how the run into `folder` went: its summary, or what its history has where there is none.
+    /// Adds the results of the run in `folder`: its summary, or without a summary the data of its history.
     ///
     /// # Errors
-    /// [`ReadError`]: the folder holds something else than a run left there.
+    /// [`ReadError`]: the folder holds other files than those of a run.
     pub fn took(&mut self, folder: &Path, ended: &Ended, limit_s: f64) -> Result<(), ReadError> {
         (self.cpu_s, self.limit_s) = (ended.cpu_s, limit_s);
         let open = RunFolder::open(folder).ok();
@@ -206,7 +206,7 @@ impl ZooRow {
         self.warnings = summary.warnings.len();
     }
 
-    /// Takes in how its reference went.
+    /// Adds the results of the reference.
     pub fn compared(&mut self, reference: &Self, difference: Option<Difference>) {
         self.reference_status.clone_from(&reference.status);
         self.reference_peak_force_kN = reference.peak_force_kN;
@@ -216,18 +216,18 @@ impl ZooRow {
         self.area_difference = difference.map(|d| d.area);
     }
 
-    /// Whether it came to an answer.
+    /// Whether the run reached an answer.
     pub fn answered(&self) -> bool {
         ANSWERS.contains(&self.status.as_str())
     }
 
-    /// Whether its energies are out by more than `ENERGY`; a NaN is.
+    /// Whether the energy imbalance exceeds `ENERGY` or is NaN.
     pub fn energies_out(&self) -> bool {
         self.energy_balance_error
             .is_some_and(|e| e > ENERGY || e.is_nan())
     }
 
-    /// Whether it is farther from its reference than `PEAK` or `AREA`.
+    /// Whether the difference from the reference exceeds `PEAK` or `AREA`.
     pub fn far_from_reference(&self) -> bool {
         let far = |difference: Option<f64>, bound| {
             difference.is_some_and(|d| d.abs() > bound || d.is_nan())
@@ -235,14 +235,14 @@ impl ZooRow {
         far(self.peak_difference, PEAK) || far(self.area_difference, AREA)
     }
 
-    /// Whether it is as all walls should be.
+    /// Whether the run fulfils all requirements of the study.
     pub fn good(&self) -> bool {
         let wrong = self.energies_out() || self.far_from_reference();
         self.answered() && !wrong && self.solves <= SOLVES
     }
 }
 
-/// The status of a summary, as its file names it.
+/// Status of a summary as its file names it.
 pub fn status(summary: &SummaryFile) -> String {
     match serde_json::to_value(summary.status) {
         Ok(serde_json::Value::String(name)) => name,
@@ -250,12 +250,12 @@ pub fn status(summary: &SummaryFile) -> String {
     }
 }
 
-/// Three digits after the point are enough to recognise a strength by.
+/// Rounds to three decimals, which suffice to recognise a strength.
 fn rounded(value: f64) -> f64 {
     (value * 1e3).round() / 1e3
 }
 
-/// As much of a message as a table has room for, in one line, without the frames around it.
+/// Shortens a message to one line of a table, without its frames of lines.
 fn one_line(text: &str) -> String {
     const ROOM: usize = 300;
     let words = text.split(|c: char| c.is_whitespace() || "│×╭─╰▶╮╯·┬".contains(c));
@@ -263,11 +263,11 @@ fn one_line(text: &str) -> String {
     words.join(" ").chars().take(ROOM).collect()
 }
 
-/// The text of `zoo.csv`.
+/// Text of `zoo.csv`.
 pub fn table(rows: &[ZooRow]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        // Plain values, written to memory: nothing that could fail.
+        // Plain values are written to memory, which does not fail.
         let written = writer.serialize(row);
         debug_assert!(written.is_ok());
     }
@@ -275,10 +275,10 @@ pub fn table(rows: &[ZooRow]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The rows of a `zoo.csv`; none where there is no file.
+/// Reads the rows of a `zoo.csv`; none if there is no file.
 ///
 /// # Errors
-/// [`IoError`]: it cannot be read, or was not written by this version of wythe.
+/// [`IoError`]: the file cannot be read, or comes from another version of wythe.
 pub fn read(path: &Path) -> Result<Vec<ZooRow>, IoError> {
     let error = |why: io::Error| IoError {
         path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! Runs walls and keeps what became of them.
+//! Runs walls and collects the results.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -18,50 +18,50 @@ use wythe_core::model::Model;
 use wythe_core::results::output::{HISTORY, SUMMARY};
 use wythe_core::results::{Curve, RunFolder};
 
-/// CPU time of a reference over that of a run: it takes ten times as many increments.
+/// Limit of CPU time of a reference over that of a run: a reference takes ten times as many increments.
 const LONGER: u32 = 10;
 
 /// Exit code of a run that the user stopped.
 const INTERRUPTED: i32 = 130;
 
-/// How the zoo is run.
+/// Options of the zoo.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// What runs a deck: the `wythe` command, and what comes before `run`.
+    /// Command that runs a deck: the `wythe` program with the arguments that precede `run`.
     pub program: Vec<OsString>,
-    /// CPU time that a run may take; ten times as much for a reference.
+    /// Limit of CPU time per run; ten times as much for a reference.
     pub limit: Duration,
-    /// Runs at a time.
+    /// Number of runs at a time.
     pub jobs: usize,
-    /// Threads of a run.
+    /// Number of threads per run.
     pub threads: usize,
     /// Whether walls are compared with careful runs.
     pub reference: bool,
-    /// Whether walls that were run before are run again.
+    /// Whether walls with a stored result are run again.
     pub fresh: bool,
 }
 
-/// Where all of it lies.
+/// Folder of the study.
 #[derive(Clone, Debug)]
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// The table.
+    /// File name of the table.
     pub const TABLE: &str = "zoo.csv";
-    /// Holds decks and folders of runs.
+    /// Sub-folder of decks and of the folders of runs.
     pub const WALLS: &str = "walls";
 
-    /// Takes the folder, which need not be there.
+    /// Names the folder, which need not exist.
     pub fn new(path: &Path) -> Self {
         Self(path.to_owned())
     }
 
-    /// Its table.
+    /// Path of the table.
     pub fn table(&self) -> PathBuf {
         self.0.join(Self::TABLE)
     }
 
-    /// The deck of a seed.
+    /// Path of the deck of a seed.
     pub fn deck(&self, seed: u64) -> PathBuf {
         self.0.join(Self::WALLS).join(format!("{seed}.toml"))
     }
@@ -95,12 +95,12 @@ fn failed(path: &Path) -> impl Fn(std::io::Error) -> IoError {
     }
 }
 
-/// Runs the walls of these seeds that the folder does not have yet, and writes its table after each; gives all rows of that,
-/// by seed. `progress` hears of each wall as it ends, on any thread; `stop` is asked all the time, and walls that are under
-/// way then leave no row.
+/// Runs the walls of these seeds that have no result in the folder yet, and writes the table after each wall.
+/// Returns all rows of the table, sorted by seed. `progress` is called with each finished wall, on any thread.
+/// `stop` is called continually; walls that are not finished when it returns true leave no row.
 ///
-/// A wall counts as run where its row is there and its deck is as the seed has it; one that was out of time is run again
-/// with more of it.
+/// A wall has a result if the table has its row and its stored deck equals the deck of the seed. A wall that
+/// exceeded its time limit is run again if the limit is now larger.
 ///
 /// # Errors
 /// [`IoError`]: the folder cannot be written, its table cannot be read, or a process cannot be started.
@@ -165,7 +165,7 @@ pub fn zoo(
         .unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
-/// What all runs of a zoo share.
+/// Data that all runs of a study share.
 struct Zoo<'a> {
     folder: &'a Folder,
     options: &'a Options,
@@ -173,7 +173,7 @@ struct Zoo<'a> {
 }
 
 impl Zoo<'_> {
-    /// Runs a wall, and its reference if one is asked for. None: the user stopped it.
+    /// Runs a wall, and its reference if requested. Returns none if the user stopped it.
     fn one(&self, wall: &Wall, before: Option<ZooRow>) -> Result<Option<ZooRow>, IoError> {
         let Self {
             folder, options, ..
@@ -187,7 +187,7 @@ impl Zoo<'_> {
                 None => return Ok(None),
             }
         };
-        // Without a model there is nothing to compare.
+        // Without a model there is no reference run.
         let deck = Deck::from_str(&wall.deck, "zoo.toml").ok();
         let model = deck.and_then(|deck| Model::from_deck(&deck).ok());
         if let (true, Some((model, _))) = (options.reference, model) {
@@ -209,7 +209,7 @@ impl Zoo<'_> {
         Ok(Some(row))
     }
 
-    /// One run of a wall.
+    /// Runs a wall once.
     fn run(
         &self,
         wall: &Wall,
@@ -217,7 +217,7 @@ impl Zoo<'_> {
         set: &[(String, String)],
         limit: Duration,
     ) -> Result<Option<ZooRow>, IoError> {
-        // Those of an earlier run would be taken for those of one that is refused and leaves none.
+        // Files of an earlier run would otherwise be read as the result of a run that is rejected and writes none.
         for name in [HISTORY, SUMMARY] {
             let path = out.join(name);
             match std::fs::remove_file(&path) {
@@ -225,7 +225,7 @@ impl Zoo<'_> {
                 _ => {}
             }
         }
-        // The messages are many times the rest, and nobody replays them here.
+        // The message file is many times larger than the other files, and a study does not replay it.
         let mut set = set.to_vec();
         set.push(("output.mcap".to_owned(), "false".to_owned()));
         let program = &self.options.program;
@@ -247,7 +247,7 @@ impl Zoo<'_> {
             return Ok(None);
         };
         if ended.code == Some(INTERRUPTED) {
-            // Ctrl-C reached it first.
+            // Ctrl-C reached the process before this one.
             return Ok(None);
         }
         let mut row = ZooRow::of_wall(wall);
@@ -257,7 +257,7 @@ impl Zoo<'_> {
     }
 }
 
-/// The load-displacement curve of a run; none where it left none.
+/// Load-displacement curve of a run; none if the run left none.
 fn curve(folder: &Path) -> Option<Curve> {
     let history = RunFolder::open(folder).ok()?.history().ok()?;
     Some(history.curve())
@@ -268,7 +268,7 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// A program that leaves nothing and ends with this code.
+    /// A program that writes no results and ends with this exit code.
     fn options(code: u8) -> Options {
         let script = format!("echo refused >&2; exit {code}");
         Options {
@@ -304,10 +304,10 @@ mod tests {
             ..options(2)
         };
         assert_eq!(ran(&[2], &fresh), (vec![1, 2, 3], 1));
-        // Another deck than the seed's: the row is that of another wall.
+        // The stored deck differs from that of the seed: the row belongs to another wall.
         std::fs::write(folder.deck(2), "format = 1\n").unwrap();
         assert_eq!(ran(&[1, 2, 3], &refused), (vec![1, 2, 3], 1));
-        // A reference that is missing, once.
+        // A missing reference is computed once.
         let reference = Options {
             reference: true,
             ..options(2)

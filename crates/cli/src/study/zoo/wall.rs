@@ -1,7 +1,8 @@
-//! Draws the wall of a seed and writes its deck: that of a newcomer, who knows sizes and strengths and says no key of the
-//! solver.
+//! Draws the wall of a seed and writes its deck. The deck is that of a beginner, who gives sizes and strengths but
+//! no key of the solver.
 //!
-//! The order of the draws is part of the definition: another order, or one draw more, makes other walls of all seeds.
+//! The order of the random numbers is part of the definition: another order, or one number more, changes the walls
+//! of all seeds.
 
 use std::fmt::{self, Write as _};
 
@@ -10,29 +11,29 @@ use super::python_random::PythonRandom;
 /// A wall of the zoo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
-    /// What it is drawn from.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// Length, thickness and height of a unit [mm].
     pub unit: [f64; 3],
-    /// Thickness of bed and head joints; 0 of a dry wall [mm].
+    /// Thickness of bed and head joints [mm]; 0 for a dry wall.
     pub joint: f64,
-    /// Its bond, as decks call it.
+    /// Bond, by its name in decks.
     pub bond: &'static str,
     /// Length of the wall [mm].
     pub length: f64,
-    /// Courses.
+    /// Number of courses.
     pub courses: usize,
     /// Whether it has an opening with a lintel.
     pub opening: bool,
-    /// Pressure on its top, where it is pressed [MPa].
+    /// Pressure on top [MPa]; not used under an air bag.
     pub pressure: f64,
-    /// What is done to it.
+    /// Kind of load.
     pub load: Load,
-    /// Units.
+    /// Material of the units.
     pub brick: Solid,
-    /// Mortar; it is not used by dry walls.
+    /// Material of the mortar; not used by dry walls.
     pub mortar: Solid,
-    /// Joints.
+    /// Strengths of the joints.
     pub bonding: Bonding,
     /// Its deck.
     pub deck: String,
@@ -49,21 +50,21 @@ pub struct Solid {
     pub f_c: f64,
 }
 
-/// Strengths of the joints; a dry one has friction only.
+/// Strengths of the joints; a dry joint has friction only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bonding {
     /// Tensile strength [MPa].
     pub f_t: f64,
     /// Cohesion [MPa].
     pub c: f64,
-    /// Friction at first [-].
+    /// Initial friction coefficient [-].
     pub tan_phi: f64,
-    /// Friction of what slides [-].
+    /// Friction coefficient after sliding [-].
     pub mu: f64,
 }
 
 impl Solid {
-    /// A solid with values in these ranges; the compressive strength is so many `times` the tensile one.
+    /// A solid with random values in these ranges; the compressive strength is `times` the tensile strength.
     fn drawn(r: &mut PythonRandom, e: [f64; 2], f_t: [f64; 2], times: [f64; 2]) -> Self {
         let e = r.uniform(e[0], e[1]);
         let f_t = r.uniform(f_t[0], f_t[1]);
@@ -87,25 +88,25 @@ impl Bonding {
     }
 }
 
-/// What is done to a wall.
+/// Kinds of load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Load {
-    /// Pressed, then pushed along, its top level or free.
+    /// Pressed vertically, then pushed in plane; the top stays level or is free.
     Push,
-    /// Pressed, then pushed along, its top free.
+    /// Pressed vertically, then pushed in plane with a free top.
     Free,
-    /// Pressed, then pushed to and fro.
+    /// Pressed vertically, then pushed in plane in cycles.
     Cyclic,
-    /// Held along its edges, then bent out of its plane by an air bag.
+    /// Held along its edges, then loaded out of plane by an air bag.
     Airbag,
-    /// Under its weight, then as `Push`.
+    /// Under its weight, then loaded as in `Push`.
     GravityPush,
-    /// Under its weight, pressed, then its top is driven out of its plane.
+    /// Under its weight and a pressure, then its top is displaced out of plane.
     Settle,
 }
 
 impl Load {
-    /// As tables name it.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Push => "push",
@@ -130,7 +131,7 @@ const UNITS: [[f64; 3]; 8] = [
     [390.0, 190.0, 190.0],
 ];
 const JOINTS: [f64; 6] = [3.0, 8.0, 10.0, 10.0, 12.5, 15.0];
-/// Part of the walls that are dry.
+/// Part of the walls that have dry joints [-].
 const DRY: f64 = 0.08;
 const BONDS: [&str; 10] = [
     "stretcher",
@@ -159,7 +160,7 @@ const LOADS: [Load; 11] = [
 ];
 /// Pressures [MPa].
 const PRESSURES: [f64; 8] = [0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0];
-/// Units of a wall at most, about: what a study of two hundred can afford.
+/// Approximate largest number of units in a wall: it keeps a study of two hundred walls affordable.
 const UNITS_AT_MOST: f64 = 110.0;
 
 /// Writing to a `String` cannot fail.
@@ -178,7 +179,7 @@ impl Wall {
         let mut bond = r.choice(&BONDS);
         let of_leaves = |bond| matches!(bond, "flemish" | "english" | "header");
         if of_leaves(bond) && (dry || l < 2.0 * t) {
-            bond = "stretcher"; // headers of two leaves are as long as a wall is thick
+            bond = "stretcher"; // with two leaves, a header is as long as the wall is thick
         }
         let units_long = r.choice(&[2.5, 3.0, 3.5, 4.0, 4.5, 5.0]);
         let long = |units: f64| units * (l + joint) - joint;
@@ -213,7 +214,7 @@ impl Wall {
             deck: String::new(),
         };
         let tables = wall.tables(r);
-        // Drawn of every wall, so that what follows does not depend on it.
+        // A number is drawn for every wall, so that later draws do not depend on the condition.
         let opening = r.random() < 0.15;
         wall.opening = opening
             && bond == "stretcher"
@@ -226,7 +227,7 @@ impl Wall {
         wall
     }
 
-    /// Height of the wall, a joint on top included [mm].
+    /// Height of the wall, including a joint on top [mm].
     fn height(&self) -> f64 {
         self.courses as f64 * (self.unit[2] + self.joint)
     }
@@ -235,7 +236,7 @@ impl Wall {
         self.joint == 0.0
     }
 
-    /// Title, materials and interface.
+    /// Text of title, materials and interface.
     fn tables(&self, r: &mut PythonRandom) -> String {
         let ([l, t, h], j) = (self.unit, self.joint);
         let mut deck = format!("format = 1\ntitle = \"zoo {}\"\n", self.seed);
@@ -271,7 +272,7 @@ impl Wall {
         deck
     }
 
-    /// The table `[wall]`.
+    /// Text of the table `[wall]`.
     fn scene(&self) -> String {
         let ([l, t, h], j, length) = (self.unit, self.joint, self.length);
         let mut deck = String::new();
@@ -303,7 +304,7 @@ impl Wall {
         deck
     }
 
-    /// Supports, probes and steps.
+    /// Text of supports, probes and steps.
     fn steps(&self, r: &mut PythonRandom) -> String {
         let drive = self.height() * r.choice(&[0.002, 0.003, 0.005]);
         let thickness = self.unit[1];
@@ -348,7 +349,7 @@ impl Wall {
                     deck += &format!("\n{gravity}");
                 }
                 deck += &format!("\n{preload}");
-                // A wall whose top is free by its load takes no draw.
+                // The load `Free` fixes this choice and draws no number.
                 let vertical = match load {
                     Load::Free => "free",
                     _ => r.choice(&["locked", "locked", "free"]),
@@ -367,8 +368,8 @@ impl Wall {
     }
 }
 
-/// Draws the tables of a solid and writes them. Its softening takes strain enough not to snap back within an element.
-/// `volume`: of an element, whose edge is the length of reference [mm³]; `density` [kg/m³].
+/// Draws the tables of a solid and writes them. Their strains are large enough to exclude a snap-back within an
+/// element. `volume`: volume of an element, whose cube root is the reference length [mm³]; `density` [kg/m³].
 fn material(deck: &mut String, r: &mut PythonRandom, solid: Solid, volume: f64, density: f64) {
     let Solid { e, f_t, f_c } = solid;
     let softening = r.uniform(0.0015, 0.004);
@@ -389,14 +390,14 @@ fn material(deck: &mut String, r: &mut PythonRandom, solid: Solid, volume: f64, 
     say!(deck, "reference_length = \"{} mm\"", G(length, 6));
 }
 
-/// A number with so many significant digits, as `%g` of C and Python writes it: without zeros at its end, and with an
-/// exponent where it is below 1e-4 or has more digits before the point.
+/// A number with this many significant digits as `%g` of C and Python writes it: without trailing zeros, and with
+/// an exponent if it is below 1e-4 or has more digits before the point.
 struct G(f64, usize);
 
 impl fmt::Display for G {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value, digits) = *self;
-        // Rounded to the digits first: 9.9999 with four of them has the exponent of 10.
+        // Rounding comes first: 9.9999 with four digits has the exponent of 10.
         let scientific = format!("{value:.*e}", digits - 1);
         let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
         let exponent: i32 = exponent.parse().unwrap_or(0);
@@ -425,7 +426,7 @@ mod tests {
     use wythe_core::deck::Deck;
     use wythe_core::model::Model;
 
-    /// Decks that the program which the zoo began with wrote, in Python.
+    /// Decks written by the original Python program of the zoo.
     fn stored() -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/zoo")
     }
@@ -460,7 +461,7 @@ mod tests {
             assert!(walls.iter().any(|w| w.bond == bond), "{bond}");
         }
         assert!(walls.iter().any(Wall::dry) && walls.iter().any(|w| w.opening));
-        // A model of each takes its time; of every tenth it does not.
+        // Building all models would take too long; every tenth is built.
         for wall in walls.iter().step_by(10) {
             let deck = Deck::from_str(&wall.deck, "zoo.toml").unwrap();
             Model::from_deck(&deck).unwrap_or_else(|e| panic!("seed {}: {e}", wall.seed));
