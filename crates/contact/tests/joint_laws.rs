@@ -1,7 +1,7 @@
 //! The checks that every joint law passes, on all laws of the registry.
 
 use nalgebra::Matrix3;
-use wythe_contact::checks::{Path, dissipation, objectivity, tangent};
+use wythe_contact::checks::{Path, dissipation, objectivity, shifted, tangent};
 use wythe_contact::{
     Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceHistory, InterfaceLaw, InterfaceResponse,
     JointLaw, Shift, registry,
@@ -110,6 +110,17 @@ fn energies_balance_and_none_is_given_back() {
             let [work, lost] =
                 dissipation(&law, &path, 2e-4).unwrap_or_else(|e| panic!("{e} {law:?}"));
             assert!(law.is_dry() || lost > 0.0, "{work} {lost}");
+        }
+    }
+}
+
+#[test]
+fn iterates_settle_at_the_law() {
+    for (law, [unit, closing]) in laws() {
+        for seed in 0..40 {
+            let path = Path::random(seed, 30, unit, closing);
+            // Rounding of the tractions over 1 - 3/4, a thousandfold by softening.
+            shifted(&law, &path, 0.25, 1e-10).unwrap_or_else(|e| panic!("{e} {law:?}"));
         }
     }
 }
