@@ -3,7 +3,7 @@
 //! A law is added in nine places here, after its file:
 //!
 //! * an entry of [`KINDS`], a variant of [`InterfaceLaw`], an arm of [`for_law!`](crate::for_law), a `From`;
-//! * an arm of `PartialEq`, which the compiler does not miss: without it no two laws of the kind are equal;
+//! * an arm of `PartialEq`, for which the compiler does not ask: without it no two laws of the kind are equal;
 //! * arms of `as_cohesive_frictional`, `scale_bond`, `is_half` and `half`, which the compiler asks for.
 //!
 //! `docs/how-to/add-a-joint-law.md` lists the other files, those of the deck among them.
