@@ -1,4 +1,5 @@
-//! Checks that any joint law should pass: its tangent, its independence of the directions in the plane, its energy.
+//! Checks that any joint law should pass: its tangent, its independence of the directions in the plane, its energy, and
+//! its iterate of a softer stiffness.
 //!
 //! Each takes a [`Path`] of gaps, walks it, and gives an error that says where the law fails. [`Path::random`]
 //! makes paths that open, close, slide and turn.
@@ -6,10 +7,11 @@
 use std::error::Error;
 use std::fmt;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::joint::JointLaw;
 use crate::law::InterfaceHistory;
+use crate::shifted::Shift;
 
 /// A path of gaps `[u, δ₁, δ₂]` [mm], from rest. `[step]`
 #[derive(Clone, Debug, PartialEq)]
@@ -198,10 +200,6 @@ pub fn objectivity(
             for slot in answer.history.slots {
                 most_slot = most_slot.max(slot.abs());
             }
-            let off = |a: &[f64], b: &[f64]| {
-                let pairs = a.iter().zip(b);
-                pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-            };
             if off(&expected, &other.traction) > tolerance * most {
                 return Err(format!(
                     "the traction {:?} turned is {expected:?}, that of the turned gap is {:?}",
@@ -255,4 +253,117 @@ pub fn dissipation(law: &dyn JointLaw, path: &Path, tolerance: f64) -> Result<[f
         Ok(())
     })?;
     Ok([work, lost])
+}
+
+/// Most iterates of a step of [`shifted`]: with a quarter of the stiffness, 3/4 to this power is below 1e-249.
+const ITERATES: usize = 2000;
+/// Change of the tractions that is rounding, over the largest of the path so far.
+const SETTLED: f64 = 1e-14;
+/// Rounding of the tangent of an iterate, a projector times the stiffness, over the numerical stiffness.
+const PROJECTOR: f64 = 1e-12;
+
+/// Compares the fixed point of [`JointLaw::update_shifted`] with [`JointLaw::update`] in every step of the path: the
+/// tractions of an iterate are taken over, from those of the step before, until they no longer change. The numerical
+/// stiffness is `part` of that of the law, but no less than four times its softening slopes, as in a run. The tangent
+/// of each iterate must be symmetric and positive semidefinite.
+///
+/// Gives the number of iterates.
+///
+/// # Errors
+/// Tractions that do not settle; a traction or slot that differs by more than `tolerance` of the largest on the path, a
+/// damage by more than `tolerance`, an opening or slip by `tolerance` of the largest gap over `part`; a tangent that is
+/// not symmetric or has a negative eigenvalue, beyond rounding.
+pub fn shifted(
+    law: &dyn JointLaw,
+    path: &Path,
+    part: f64,
+    tolerance: f64,
+) -> Result<usize, Failed> {
+    let (whole, slopes) = (law.stiffness(), law.softening_slopes());
+    let stiffness = [0, 1].map(|i| (part * whole[i]).max(4.0 * slopes[i]).min(whole[i]));
+    let mut iterates = 0;
+    let (mut most, mut most_slot, mut farthest) =
+        (f64::MIN_POSITIVE, f64::MIN_POSITIVE, f64::MIN_POSITIVE);
+    walk(law, path, |_, gap, old, answer| {
+        let larger = |most: f64, of: &[f64]| of.iter().fold(most, |most, n| most.max(n.abs()));
+        most = larger(most, &answer.traction);
+        most_slot = larger(most_slot, &answer.history.slots);
+        farthest = larger(farthest, gap);
+
+        let mut traction = old.traction;
+        let mut settled = None;
+        for _ in 0..ITERATES {
+            let shift = Shift {
+                stiffness,
+                traction,
+                bounding: traction[0],
+            };
+            let iterate = law.update_shifted(*gap, old, &shift);
+            iterates += 1;
+            semidefinite(&iterate.tangent, stiffness)?;
+            let change = off(&iterate.traction, &traction);
+            traction = iterate.traction;
+            if change <= SETTLED * most {
+                settled = Some(iterate.history);
+                break;
+            }
+        }
+        let Some(history) = settled else {
+            return Err(format!(
+                "the traction of the iterates does not settle: {traction:?} after {ITERATES}"
+            ));
+        };
+        let own = &answer.history;
+        let lengths = |h: &InterfaceHistory| {
+            let [[s_1, s_2], [p_1, p_2]] = [h.slip, h.plastic_slip];
+            [h.opening, h.opening_max, h.slip_max, s_1, s_2, p_1, p_2]
+        };
+        for (name, found, exact, scale) in [
+            ("traction", &traction[..], &answer.traction[..], most),
+            ("damage", &[history.damage], &[own.damage], 1.0),
+            ("slots", &history.slots, &own.slots, most_slot),
+            (
+                "lengths [opening, its largest, largest slip, slip, plastic slip]",
+                &lengths(&history),
+                &lengths(own),
+                farthest / part,
+            ),
+        ] {
+            let off = off(found, exact);
+            // A number that is not finite is wrong, too.
+            if off.is_nan() || off > tolerance * scale {
+                return Err(format!(
+                    "{name} of the settled iterate {found:?}, of the law {exact:?}"
+                ));
+            }
+        }
+        Ok(())
+    })?;
+    Ok(iterates)
+}
+
+/// Largest difference; NaN if there is one.
+fn off(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, |most, d| if d > most || d.is_nan() { d } else { most })
+}
+
+/// Demands that the tangent of an iterate is symmetric without negative eigenvalues, within rounding of `stiffness`.
+fn semidefinite(tangent: &Matrix3<f64>, stiffness: [f64; 2]) -> Result<(), String> {
+    let rounding = PROJECTOR * stiffness[0].max(stiffness[1]);
+    let skew = (tangent - tangent.transpose()).amax();
+    if skew.is_nan() || skew > rounding {
+        return Err(format!(
+            "the tangent of an iterate is not symmetric: {:?}",
+            tangent.data.0
+        ));
+    }
+    let least = tangent.symmetric_eigenvalues().min();
+    if least.is_nan() || least < -rounding {
+        return Err(format!(
+            "the tangent of an iterate has the eigenvalue {least:.2e} N/mm³: {:?}",
+            tangent.data.0
+        ));
+    }
+    Ok(())
 }

@@ -78,9 +78,13 @@ pub trait JointLaw: Send + Sync + Debug {
         &[]
     }
 
-    /// History of a point that nothing has happened to. Default: all zero.
+    /// History of a point that nothing has happened to. Default: all zero, but damage 1 where the joint
+    /// [is dry](JointLaw::is_dry): it has no bond to lose. Override it if slots begin at other numbers than 0.
     fn virgin(&self) -> InterfaceHistory {
-        InterfaceHistory::default()
+        InterfaceHistory {
+            damage: if self.is_dry() { 1.0 } else { 0.0 },
+            ..InterfaceHistory::default()
+        }
     }
 
     /// History of a point that has lost the face opposite: without traction, stuck where it is, without bond.
@@ -94,7 +98,8 @@ pub trait JointLaw: Send + Sync + Debug {
         }
     }
 
-    /// Whether the joint has no bond from the start. Default: no.
+    /// Whether the joint has no bond from the start: neither tension nor shear without pressure. Such points are no
+    /// failed bonds in the results, and a lost one keeps its damage. Default: no.
     fn is_dry(&self) -> bool {
         false
     }
@@ -109,7 +114,8 @@ pub trait JointLaw: Send + Sync + Debug {
         0.0
     }
 
-    /// Free energy of a point [N/mm]. Default: of the elastic parts, ½ σ²/k_n + ½ |τ|²/k_s.
+    /// Free energy of a point [N/mm]. Default: of the elastic parts, ½ σ²/k_n + ½ |τ|²/k_s. Override it if the
+    /// stiffness at which a point unloads is another one, as the secant of a damaged bond.
     fn free_energy(&self, history: &InterfaceHistory) -> f64 {
         let [normal, shear] = self.stiffness();
         let [sigma, tau_1, tau_2] = history.traction;
@@ -117,7 +123,10 @@ pub trait JointLaw: Send + Sync + Debug {
     }
 
     /// Work that the trapezoidal rule adds where a point changes between branches of different elastic stiffness
-    /// between two commits [N/mm]. Default: 0, for a law with one elastic stiffness.
+    /// between two commits [N/mm]: ½ u₀ u₁ (k₀ − k₁) where the opening goes from u₀ to u₁ of the other sign, with the
+    /// stiffness of each. It is no dissipation: closing takes it, opening gives it back. Default: 0, for a law with one
+    /// elastic stiffness; one that unloads to a plastic opening has one. A joint without tension that opens elastically
+    /// has two, k_n and 0.
     fn crossing_work(&self, _old: &InterfaceHistory, _new: &InterfaceHistory) -> f64 {
         0.0
     }
@@ -156,7 +165,12 @@ pub trait JointLaw: Send + Sync + Debug {
         None
     }
 
-    /// One iterate with the numerical stiffness of `shift`, see equation (1) of this module.
+    /// One iterate with the numerical stiffness of `shift`, see equation (1) of this module; `checks::shifted` compares
+    /// its fixed point with [`update`](JointLaw::update).
+    ///
+    /// A closed form whose shear limit depends on the pressure should take the limit at [`Shift::bounding`]
+    /// (theory/shifted-penalty.md, eq. 7), which makes its tangent symmetric; the default and a return that couples
+    /// normal and shear by its flow do not read it, and drop the coupling from their tangent instead.
     fn update_shifted(
         &self,
         gap: [f64; 3],

@@ -1,8 +1,12 @@
 //! The joint laws that are built in, by name, and those of users.
 //!
-//! To add a law, write its file, then one line in each of the two lists here: a variant of [`InterfaceLaw`], which
-//! [`for_law!`](crate::for_law) dispatches, and an entry of [`KINDS`]. The keys of a deck are in
-//! `deck::schema::interfaces` of `wythe-core`.
+//! A law is added in nine places here, after its file:
+//!
+//! * an entry of [`KINDS`], a variant of [`InterfaceLaw`], an arm of [`for_law!`](crate::for_law), a `From`;
+//! * an arm of `PartialEq`, for which the compiler does not ask: without it no two laws of the kind are equal;
+//! * arms of `as_cohesive_frictional`, `scale_bond`, `is_half` and `half`, which the compiler asks for.
+//!
+//! `docs/how-to/add-a-joint-law.md` lists the other files, those of the deck among them.
 
 use std::fmt;
 use std::sync::Arc;

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import wythe
 from helpers import EXAMPLES
+from wythe._model import _interface as summary_of_interface
 
 COUPLET = wythe.templates.couplet()
 
@@ -126,6 +127,26 @@ def test_a_model_shows_itself() -> None:
     assert "dry, mu = " in repr(wythe.templates.arch())
     assert "voussoirs" in repr(wythe.templates.arch())
     assert "blocks" in repr(wythe.templates.column())
+
+
+def test_a_model_shows_its_laws() -> None:
+    stone = {"kind": "drucker-prager", "E": 8000, "nu": 0.2, "c": 3, "phi": "40 deg", "f_t": 1}
+    deck = {**COUPLET.to_dict()}
+    deck["materials"] = {**deck["materials"], "mortar": {**stone, "density": "1900 kg/m^3"}}
+    shown = repr(wythe.Model.from_dict(deck))
+    assert "elastic, E = 16700 MPa" in shown
+    assert "drucker-prager, E = 8000 MPa, nu = 0.2" in shown
+    assert shown.count("elastic") == 1
+    assert "f_t = 0.28 MPa, c = 0.87 MPa, mu = 0.73" in shown
+    cap = {"kind": "cap", "f_t": 0.25, "G_I": 0.018, "c": 0.35, "G_II": 0.125, "tan_phi": 0.75}
+    cap |= {"mu": 0.6, "f_m": 10.5, "G_fc": 5, "kappa_p": 0.09}
+    shown = repr(wythe.Model.from_dict({**COUPLET.to_dict(), "interfaces": {"joint": cap}}))
+    assert "cap, f_t = 0.25 MPa, c = 0.35 MPa, mu = 0.6" in shown
+
+
+def test_the_summary_of_a_joint_needs_no_key_that_only_some_laws_have() -> None:
+    assert summary_of_interface({"kind": "rough", "angle": 30.0}) == "rough"
+    assert summary_of_interface({"kind": "rough", "mu": 0.5}) == "rough, mu = 0.5"
 
 
 @pytest.mark.parametrize("name", wythe.templates.names())

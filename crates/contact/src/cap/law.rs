@@ -174,13 +174,6 @@ impl JointLaw for Cap {
         &OUTPUTS
     }
 
-    fn virgin(&self) -> InterfaceHistory {
-        InterfaceHistory {
-            damage: if self.is_dry() { 1.0 } else { 0.0 },
-            ..InterfaceHistory::default()
-        }
-    }
-
     /// It comes back without bond, and with the thickness that crushing and dilatancy left.
     fn lost(&self, old: &InterfaceHistory) -> InterfaceHistory {
         InterfaceHistory {

@@ -476,6 +476,8 @@ pub struct Control {
 }
 
 /// Conditions that end a driven step early. The increment that meets one is the last.
+///
+/// A checkpoint stores them: raise `VERSION` in `results/checkpoint.rs` when a field is added, removed or moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 pub struct Stop {
     /// Part of the largest force of this step to which the force falls, both along the drive [-].

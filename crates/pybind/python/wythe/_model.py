@@ -428,20 +428,32 @@ class Model:
             names = ", ".join(block["name"] for block in blocks[:6])
             told.append(("blocks", names + (", ..." if len(blocks) > 6 else "")))
         for name, material in deck.get("materials", {}).items():
-            law = "damaged plasticity" if material.get("tension") else "elastic"
-            told.append((name, f"{law}, E = {material['E']:g} MPa, nu = {material['nu']:g}"))
+            told.append((name, _material(material)))
         for name, joint in deck.get("interfaces", {}).items():
-            told.append(
-                (
-                    name,
-                    f"f_t = {joint['f_t']:g} MPa, c = {joint['c']:g} MPa, mu = {joint['mu']:g}"
-                    if joint["f_t"] or joint["c"]
-                    else f"dry, mu = {joint['mu']:g}",
-                )
-            )
+            told.append((name, _interface(joint)))
         for number, step in enumerate(deck.get("steps", ())):
             told.append((f"step {number}", _step(step)))
         return told
+
+
+def _material(material: Mapping[str, Any]) -> str:
+    law = material["kind"]
+    if law == "damage-plasticity":
+        law = "damaged plasticity" if material.get("tension") else "elastic"
+    return f"{law}, E = {material['E']:g} MPa, nu = {material['nu']:g}"
+
+
+def _interface(joint: Mapping[str, Any]) -> str:
+    """Kind, unless it is the default, and strengths and friction, as far as the law has such keys."""
+    parts = [] if joint["kind"] == "cohesive-frictional" else [joint["kind"]]
+    bond = {name: joint[name] for name in ("f_t", "c") if name in joint}
+    if any(bond.values()):
+        parts += [f"{name} = {strength:g} MPa" for name, strength in bond.items()]
+    elif bond:
+        parts.append("dry")
+    if "mu" in joint:
+        parts.append(f"mu = {joint['mu']:g}")
+    return ", ".join(parts)
 
 
 def _step(step: Mapping[str, Any]) -> str:

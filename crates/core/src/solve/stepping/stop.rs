@@ -6,6 +6,9 @@ use super::history_row::{sense_of_beam, sense_of_control, sense_of_spring};
 use crate::model::scene::{BeamMotion, Step, Stop};
 
 /// Watches the drive or load of a step for the conditions that end it.
+///
+/// A checkpoint stores it, and [`Stop`] within: raise `VERSION` in `results/checkpoint.rs` when a field of either is
+/// added, removed or moved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::solve) struct Watch {
     stop: Stop,
