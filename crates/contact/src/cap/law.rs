@@ -229,7 +229,7 @@ impl JointLaw for Cap {
     fn softening_slopes(&self) -> [f64; 2] {
         [
             (self.f_t * self.loss_by_opening()).max(self.c_nn.sqrt() * self.curve.steepest()),
-            self.c * self.loss_by_slip(),
+            (self.c * self.loss_by_slip()).max(self.curve.steepest() / self.c_ss.sqrt()),
         ]
     }
 

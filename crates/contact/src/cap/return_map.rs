@@ -207,7 +207,7 @@ impl Cap {
                 return self.finish(trial, &m);
             }
         }
-        if tension || (friction && !cap) {
+        if tension || friction {
             let m = self.tension_and_friction(trial);
             if (m.tension >= 0.0 && m.friction >= 0.0) || !cap {
                 return self.finish(trial, &m);
