@@ -66,11 +66,12 @@ pub trait JointLaw: Send + Sync + Debug {
     /// Elastic stiffness, normal and shear `[k_n, k_s]` [N/mm³].
     fn stiffness(&self) -> [f64; 2];
 
-    /// One implicit step: traction, consistent tangent and new history at the total gap
-    /// `[u, δ₁, δ₂]` [mm] from the history at the start of the step.
+    /// One implicit step: traction, consistent tangent and new history at the total gap `[u, δ₁, δ₂]` [mm], from the
+    /// history at the start of the step.
     ///
-    /// [`InterfaceResponse::new`] fills what the solver reads of a history beside the slots of the law. A law
-    /// without an answer returns a traction that is not finite; a run ends with an error that names the law.
+    /// [`InterfaceResponse::new`] fills the parts of the history that the solver reads besides the slots of the law.
+    /// A law that has no solution returns a traction that is not finite; the run then ends with an error that names
+    /// the law.
     fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse;
 
     /// Quantities of the history that become fields of the results. Default: none.
