@@ -15,9 +15,9 @@ pub struct MaterialHistory {
     pub kappa_c: f64,
     /// Inviscid scalar damage d [-] (theory/damage-plasticity.md, eq. 12).
     pub damage: f64,
-    /// Viscoplastic strain ε_v [-] (theory/damage-plasticity.md, eq. 13); equals `plastic_strain` where viscosity is zero.
+    /// Viscoplastic strain ε_v [-] (theory/damage-plasticity.md, eq. 13); equals `plastic_strain` without viscosity.
     pub viscous_strain: Vector6<f64>,
-    /// Viscous damage d_v [-] (theory/damage-plasticity.md, eq. 13); equals `damage` where viscosity is zero.
+    /// Viscous damage d_v [-] (theory/damage-plasticity.md, eq. 13); equals `damage` without viscosity.
     pub viscous_damage: f64,
     /// Tensile damage d_t [-], which never decreases.
     pub tensile_damage: f64,
