@@ -24,11 +24,11 @@ pub const DENSITY: f64 = 2e-9;
 pub type How = (Procedure, Tangent);
 /// Newton's method with the secant stiffness of the solids.
 pub const SECANT: How = (Procedure::Static, Tangent::Secant);
-/// The same with extrapolated solids.
+/// The same with extrapolated solids (IMPL-EX).
 pub const IMPLEX: How = (Procedure::Implex, Tangent::Secant);
 /// Newton's method with consistent tangents and the shifted penalty.
 pub const CONSISTENT: How = (Procedure::Static, Tangent::Consistent);
-/// Newton's method on the law itself.
+/// Newton's method with the exact tangent of the law.
 pub const DIRECT: How = (Procedure::Static, Tangent::Direct);
 
 /// A model without bodies and without symmetry reduction.

@@ -77,8 +77,8 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
         let mut of = all[1].outcomes.iter();
         of.find(|o| o.choice.name == name).unwrap().cracks.unwrap()
     };
-    // Other increments crack the same up to a cell here and there (0.95 and 0.99); solids that cannot crack leave out what
-    // is theirs (0.86), and a unit cut into four by two has its joints fail elsewhere (0.68).
+    // Other increments give the same cracks except for single cells (0.95 and 0.99). Solids that cannot crack lack
+    // their part (0.86), and the joints of a unit with four by two elements fail elsewhere (0.68).
     assert!((cracks("steps x 2") - cracks("default")).abs() < 0.1);
     assert!(cracks("default") > 0.9 && cracks("default") <= 1.0);
     for name in ["elastic", "mesh 4x2x2"] {
