@@ -70,7 +70,7 @@ impl Rig {
         trial.force.clone()
     }
 
-    /// An increment to `q`, pairs searched there.
+    /// Evaluates an increment to `q`, with pairs searched there.
     fn go(&mut self, q: &[f64], setting: Evaluation) {
         self.trial.start(&self.state);
         self.system.search(&mut self.trial, q);

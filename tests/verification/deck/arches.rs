@@ -38,7 +38,7 @@ mesh = [2, 1, 3]
     // 8 joints of 1 × 3 facets; the masters of the springings are single facets
     assert_eq!(model.contact.slave_facets.len(), 24);
     assert_eq!(model.contact.master_facets.len(), 6 * 3 + 2);
-    // Facets of slaves cover the 8 joints of t × width.
+    // Slave facets cover the 8 joints of t × width.
     let area: f64 = (model.contact.slave_facets.iter())
         .map(|f| norm(area_vector(nodes(&model, *f))))
         .sum();
