@@ -84,7 +84,7 @@ fn probes_follow_nodes_faces_and_blocks() {
         let u = &frame.displacement;
         let mean = |of: Vec<usize>| of.iter().map(|&n| u[n][0]).sum::<f64>() / of.len() as f64;
         let slip = mean(nodes(1, 50.0).collect()) - mean(nodes(0, 50.0).collect());
-        // Sums of ten numbers up to 2, in another order.
+        // Tolerance: sums of ten numbers up to 2, in a different order.
         assert!((row.probes[0] - slip).abs() < 1e-14, "{row:?}");
         // The first node of the base's top, and the first node of the driven face.
         assert_eq!(x[10], [0.0, 0.0, 50.0]);
