@@ -46,8 +46,8 @@ fn an_arch_falls_and_lies_on_the_ground() {
     let last = recording.rows.last().unwrap();
     // At rest: a kinetic energy of a millionth of the work of gravity would still be a motion.
     assert!(last.kinetic_energy_J < 1e-6 * last.external_work_J);
-    // The crown lies on the ground, 150 mm below the springings, higher by half its thickness. Curved faces are
-    // chords, whose middle is at most R - R cos(π/22) cos(π/22) = 2 % of R above that of the arc.
+    // The crown lies on the ground, 150 mm below the springings; its centre is half its thickness above. Curved faces
+    // are chords, whose middle is at most R - R cos(π/22) cos(π/22) = 2 % of R above that of the arc.
     let fallen = -last.probes[0];
     let flat = 1000.0 + 150.0 - 95.0 / 2.0;
     assert!(fallen < flat && fallen > flat - 20.0, "{fallen} mm");

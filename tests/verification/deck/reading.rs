@@ -338,7 +338,7 @@ fn wrong_overrides_name_themselves() {
         error("materials.brick.E", "4 mm").column(),
         Some("materials.brick.E=".len() + 1)
     );
-    // an error of the file stays one, whatever is overridden
+    // an error of the file remains an error if another key is overridden
     let broken = text.replace("courses = 18", "courses = 0");
     let overrides = [("wall.length".to_owned(), "1100 mm".to_owned())];
     let error = Deck::from_str_with(&broken, "j7d.toml", &overrides).unwrap_err();

@@ -17,8 +17,7 @@ use super::uniaxial::{Branch, TableError};
 use super::{Wanted, elastic_stiffness};
 use crate::tensor::{self, ByPoint};
 
-/// Residual strength divided by the initial strength. It keeps the surface smooth and the stiffness of the point
-/// positive.
+/// Residual strength divided by the initial strength. It keeps the surface smooth and the point sufficiently stiff.
 pub const RESIDUAL: f64 = 1e-3;
 /// A step is plastic if the yield function exceeds this fraction of k: rounding of stresses some hundred times the
 /// strength.
