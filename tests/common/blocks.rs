@@ -1,4 +1,4 @@
-//! Scenes of blocks as decks, and what is measured of their meshes.
+//! Block scenes as decks, and measures of their meshes.
 
 use wythe::deck::Deck;
 use wythe::model::Model;
@@ -6,7 +6,7 @@ use wythe::model::Model;
 /// Rounding of a few hundred sums of coordinates, relative to their size.
 pub const ROUNDING: f64 = 1e-12;
 
-/// Materials, interfaces and the points of contact of a deck.
+/// Materials, interfaces and contact points of a deck.
 pub const HEAD: &str = r#"
 format = 1
 
@@ -31,7 +31,7 @@ mu = 0
 points = "corner"
 "#;
 
-/// A base, and a block of another mesh on it.
+/// A base and a block with a different mesh on it.
 pub const PAIR: &str = r#"
 [[blocks]]
 name = "base"
@@ -105,7 +105,7 @@ pub fn volume(model: &Model, body: u32) -> f64 {
         .sum()
 }
 
-/// Every facet's normal points away from the centre of its body.
+/// Checks that every facet's normal points away from the centre of its body.
 pub fn normals_point_out(model: &Model) {
     let contact = &model.contact;
     let slaves = contact.slave_facets.iter().zip(&contact.slave_body);
@@ -133,14 +133,14 @@ pub fn normals_point_out(model: &Model) {
     }
 }
 
-/// Part of a deck, what takes its place, and the key, message and advice expected.
+/// Part of a deck, its replacement, and the expected key, message and advice.
 pub type Bad<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
 
-/// Each of the changes to `good` is refused with its key, message and advice, file and line.
+/// Checks that each change to `good` is rejected with its key, message and advice, file and line.
 pub fn refuses(good: &str, changes: &[Bad]) {
     let mut wrong = Vec::new();
     for (from, to, key, message, advice) in changes {
-        // The last one: blocks say some keys twice.
+        // Replace the last occurrence, because blocks repeat some keys.
         let at = good.rfind(from).unwrap_or_else(|| panic!("no {from}"));
         let bad = format!("{}{to}{}", &good[..at], &good[at + from.len()..]);
         let error = Deck::from_str(&bad, "scene.toml")

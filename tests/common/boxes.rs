@@ -1,4 +1,4 @@
-//! Boxes with edges along x, y, z: those of elements and bodies.
+//! Axis-aligned boxes of elements and bodies.
 
 use wythe::model::Mesh;
 

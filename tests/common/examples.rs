@@ -8,7 +8,7 @@ use wythe::state::Status;
 
 use super::scene::{Recording, run};
 
-/// Where the example of this name lies.
+/// Path of an example.
 pub fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("examples")
@@ -16,7 +16,7 @@ pub fn path(name: &str) -> PathBuf {
         .with_extension("toml")
 }
 
-/// The example, keys of `overrides` said anew.
+/// The example with the keys of `overrides` replaced.
 pub fn load(name: &str, overrides: &[(&str, &str)]) -> Deck {
     let overrides: Vec<_> = overrides
         .iter()
@@ -25,12 +25,12 @@ pub fn load(name: &str, overrides: &[(&str, &str)]) -> Deck {
     Deck::load(path(name), &overrides).unwrap()
 }
 
-/// Runs the example to its end and closes its energies.
+/// Runs the example to its end and checks its energy balance.
 pub fn completed(name: &str, overrides: &[(&str, &str)]) -> (Model, Recording) {
     let deck = load(name, overrides);
     let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{name}: {e}"));
     let (recording, summary) = run(&model);
-    // What is tilted until it falls ends by its collapse.
+    // A tilting test ends with collapse.
     let ends = [Status::Completed, Status::Collapsed];
     assert!(
         ends.contains(&summary.status),
@@ -39,7 +39,7 @@ pub fn completed(name: &str, overrides: &[(&str, &str)]) -> (Model, Recording) {
     );
     let last = recording.rows.last().unwrap();
     let moved = last.kinetic_energy_J + last.damping_dissipation_J + last.numerical_dissipation_J;
-    // Each term is integrated where it arises; 1 % is the most that theory/energies.md, Decisions (1 %) allows.
+    // Each term is integrated separately; theory/energies.md, Decisions (1 %), allows an error of 1 %.
     let open = last.external_work_J - last.taken_J() - moved;
     assert!(
         open.abs() <= 1e-2 * last.external_work_J.abs(),

@@ -1,4 +1,4 @@
-//! A wall that `auto` solves as a half, in full and with `auto`, and how far both are from each other.
+//! A wall that `auto` solves as a half, its solution in full and with `auto`, and the difference between both.
 
 use wythe::model::Model;
 use wythe::state::HistoryRow;
@@ -6,7 +6,7 @@ use wythe::state::HistoryRow;
 use super::blocks::deck_and_model;
 use super::scene::{Recording, completed};
 
-/// Two courses of a wall that all kinds of things happen to, mirrored by y = 30 mm.
+/// Two courses of a wall with many kinds of load and damage, symmetric about y = 30 mm.
 pub const WALL: &str = r#"format = 1
 [materials.brick]
 E = "10 GPa"
@@ -58,7 +58,7 @@ on = "wall.right"
 direction = "z"
 "#;
 
-/// Full, then auto.
+/// The full solution, then the one with `auto`.
 pub fn both(text: &str) -> [(Model, Recording); 2] {
     ["full", "auto"].map(|fidelity| {
         let text = text.replacen(
@@ -73,7 +73,7 @@ pub fn both(text: &str) -> [(Model, Recording); 2] {
     })
 }
 
-/// Largest difference of two lists of numbers over the largest of them.
+/// Largest difference of two lists of numbers divided by the largest number.
 pub fn apart(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> f64 {
     let (a, b): (Vec<f64>, Vec<f64>) = (a.into_iter().collect(), b.into_iter().collect());
     assert_eq!(a.len(), b.len());
@@ -82,7 +82,7 @@ pub fn apart(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>)
     differences.fold(0.0, f64::max) / size
 }
 
-/// What of a row are quantities of the scene, not of how it was solved.
+/// The entries of a row that are quantities of the scene and do not depend on the method of solution.
 pub fn quantities(row: &HistoryRow) -> Vec<f64> {
     vec![
         row.displacement_mm,

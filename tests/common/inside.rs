@@ -1,5 +1,5 @@
-//! An independent measure of how deep bodies are in one another: points of one within another, by plain
-//! inversion of each hexahedron's map, blind to what the solver knows of contact.
+//! An independent measure of penetration: points of one body that lie within another, found by inverting the map of
+//! each hexahedron, without the data structures of contact.
 
 use nalgebra::{Matrix3, Vector3};
 use wythe::element::hex8::CORNERS;
@@ -14,7 +14,7 @@ pub fn positions(model: &Model, recording: &Recording, at: usize) -> Vec<[f64; 3
     nodes.map(|(x, u)| [0, 1, 2].map(|i| x[i] + u[i])).collect()
 }
 
-/// Deepest point of a body in another in some 200 of the frames, the last among them [mm].
+/// Deepest penetration in some 200 of the frames, including the last one [mm].
 pub fn penetration(model: &Model, recording: &Recording) -> f64 {
     let frames = recording.frames.len();
     let every = frames / 200 + 1;
@@ -24,13 +24,13 @@ pub fn penetration(model: &Model, recording: &Recording) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Deepest point of any body in another [mm]: of a lattice of `n`³ points an element, faces, edges and
-/// corners among them, the distance to the nearest face of the element that it is in.
+/// Deepest penetration between any two bodies [mm]. Each element has a lattice of `n`³ points, including its faces,
+/// edges and corners. The depth is the distance to the nearest face of the element that contains the point.
 pub fn deepest(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> f64 {
     deepest_point(mesh, x, n).0
 }
 
-/// The same, with the point's element and parameters, and the element that it is in.
+/// The same, with the element and parameters of the point, and the element that contains it.
 pub fn deepest_point(mesh: &Mesh, x: &[[f64; 3]], n: usize) -> (f64, usize, [f64; 3], usize) {
     let boxes: Vec<[Vector3<f64>; 2]> = (0..mesh.elements.len())
         .map(|e| {
@@ -80,7 +80,7 @@ fn map(corners: &[Vector3<f64>; 8], at: [f64; 3]) -> Vector3<f64> {
     (0..8).map(|a| corners[a] * weight(a, at)).sum()
 }
 
-/// How deep a point is in a hexahedron [mm]; 0 outside.
+/// Depth of a point in a hexahedron [mm]; 0 outside.
 fn depth(corners: &[Vector3<f64>; 8], point: &Vector3<f64>) -> f64 {
     let mut at = [0.0; 3];
     let mut jacobian = Matrix3::zeros();
@@ -111,7 +111,7 @@ fn depth(corners: &[Vector3<f64>; 8], point: &Vector3<f64>) -> f64 {
     let Some(inverse) = jacobian.try_inverse() else {
         return 0.0;
     };
-    // Distance to ξ_i = ±1 is (1 − |ξ_i|) over the length of the gradient of ξ_i.
+    // The distance to ξ_i = ±1 is (1 − |ξ_i|) over the length of the gradient of ξ_i.
     (0..3)
         .map(|i| (1.0 - at[i].abs()) / inverse.row(i).norm())
         .fold(f64::INFINITY, f64::min)

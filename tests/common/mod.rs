@@ -1,4 +1,4 @@
-//! What the tests share: tables of the paper, CSV files, random numbers.
+//! Shared helpers of the tests: tables of the paper, CSV files, random numbers.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub mod blocks;
@@ -145,7 +145,7 @@ pub fn table_3() -> CohesiveFrictional {
     }
 }
 
-/// A small generator of repeatable random numbers (splitmix64).
+/// A small generator of reproducible random numbers (splitmix64).
 pub struct Random(pub u64);
 
 impl Random {
@@ -164,8 +164,8 @@ impl Random {
     }
 }
 
-/// Four courses of two units of the wall J7D, half as thick (one element), pushed by 0.3 mm: its
-/// joints open and slide.
+/// Four courses of two units of the wall J7D, half as thick (one element), pushed by 0.3 mm: its joints open and
+/// slide.
 pub fn small_wall() -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/03_shear_wall_j7d.toml");
     let overrides = [
@@ -174,7 +174,7 @@ pub fn small_wall() -> Model {
         ("wall.unit", "[204, 49, 50]"),
         ("wall.mesh", "[5, 2, 1]"),
         ("steps.1.displacement", "0.3 mm"),
-        // 0.01 mm of the drive, as in the deck.
+        // 0.01 mm of the prescribed displacement, as in the deck.
         ("steps.1.viscosity", "0.033"),
     ];
     let overrides = overrides.map(|(k, v)| (k.into(), v.into()));

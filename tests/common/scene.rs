@@ -1,4 +1,4 @@
-//! Scenes of blocks, built in memory: a grid of hex8 per block, faces, beams, steps.
+//! Block scenes built in memory: a hex8 grid per block, faces, beams, steps.
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw};
 use wythe::deck::Deck;
@@ -17,21 +17,21 @@ use wythe::state::{Frame, HistoryRow, Status, Summary};
 
 /// Gravity [mm/s²].
 pub const G: f64 = 9810.0;
-/// Density of the blocks that move [tonne/mm³].
+/// Density of moving blocks [tonne/mm³].
 pub const DENSITY: f64 = 2e-9;
 
 /// A procedure and its tangents.
 pub type How = (Procedure, Tangent);
 /// Newton's method with the secant stiffness of the solids.
 pub const SECANT: How = (Procedure::Static, Tangent::Secant);
-/// The same with extrapolated solids.
+/// The same with extrapolated solids (IMPL-EX).
 pub const IMPLEX: How = (Procedure::Implex, Tangent::Secant);
 /// Newton's method with consistent tangents and the shifted penalty.
 pub const CONSISTENT: How = (Procedure::Static, Tangent::Consistent);
-/// Newton's method on the law itself.
+/// Newton's method with the exact tangent of the law.
 pub const DIRECT: How = (Procedure::Static, Tangent::Direct);
 
-/// A model without bodies, solved in full.
+/// A model without bodies and without symmetry reduction.
 pub fn empty() -> Model {
     Model {
         fidelity: Fidelity::Full,
@@ -39,7 +39,7 @@ pub fn empty() -> Model {
     }
 }
 
-/// Changes a model with the builder of the library.
+/// Changes a model with the public builder.
 fn build<R>(model: &mut Model, change: impl FnOnce(&mut ModelBuilder) -> R) -> R {
     let mut builder = ModelBuilder {
         model: std::mem::replace(model, Model::empty("")),
@@ -63,7 +63,7 @@ pub fn heavy(e: f64, nu: f64, density: f64) -> MaterialParameters {
     MaterialParameters::Elastic(ElasticParameters { E: e, nu, density })
 }
 
-/// Adds a block with its lower corner at `low`, cut into `cells`.
+/// Adds a block with its lower corner at `low`, divided into `cells`.
 pub fn block(
     model: &mut Model,
     low: [f64; 3],
@@ -78,7 +78,7 @@ pub fn block(
     })
 }
 
-/// Makes a face the slave side under `law`.
+/// Makes a face the slave side of contact with the law `law`.
 pub fn slave(model: &mut Model, block: &Block, face: Face, law: impl Into<InterfaceLaw>) {
     build(model, |builder| {
         let law = builder.law("joint", law);
@@ -86,12 +86,12 @@ pub fn slave(model: &mut Model, block: &Block, face: Face, law: impl Into<Interf
     });
 }
 
-/// Makes a face the master side.
+/// Makes a face the master side of contact.
 pub fn master(model: &mut Model, block: &Block, face: Face) {
     build(model, |builder| builder.master(block, face));
 }
 
-/// Lets every body meet every other: a dry law of 500 E/h.
+/// General contact between all bodies: a dry law with 500 E/h.
 pub fn general(model: &mut Model, mu: f64) {
     build(model, |builder| builder.general_contact(mu));
 }
@@ -101,17 +101,17 @@ pub fn throw(model: &mut Model, block: &Block, velocity: [f64; 3]) {
     build(model, |builder| builder.velocity(block, velocity));
 }
 
-/// Turns a block about a point by an angle [rad] about a unit axis.
+/// Rotates a block about a point by an angle [rad] about a unit axis.
 pub fn turn(model: &mut Model, block: &Block, about: [f64; 3], axis: [f64; 3], angle: f64) {
     build(model, |builder| builder.rotate(block, about, axis, angle));
 }
 
-/// Holds nodes.
+/// Fixes directions of nodes.
 pub fn hold(model: &mut Model, nodes: Vec<u32>, fixed: [bool; 3]) {
     build(model, |builder| builder.support("support", nodes, fixed));
 }
 
-/// Ties nodes to a level beam; returns its index.
+/// Ties nodes to a beam that stays level; returns its index.
 pub fn beam(model: &mut Model, nodes: Vec<u32>) -> usize {
     model.beams.push(Beam {
         name: "beam".to_owned(),
@@ -122,7 +122,7 @@ pub fn beam(model: &mut Model, nodes: Vec<u32>) -> usize {
     model.beams.len() - 1
 }
 
-/// A step in which beam 0 moves so and all increments are equal; change what differs.
+/// A step with equal increments in which beam 0 has this motion. Tests change the fields that differ.
 pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance: f64) -> Step {
     let size = 1.0 / increments as f64;
     Step {
@@ -146,7 +146,7 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
     }
 }
 
-/// A step of `duration` [s] in which nothing acts but gravity.
+/// A step of `duration` [s] with gravity as the only load.
 pub fn left_alone(gravity: Gravity, duration: f64, increments: usize, tolerance: f64) -> Step {
     Step {
         duration,
@@ -175,12 +175,12 @@ pub fn set_free(
     }
 }
 
-/// Where the points of contact sit.
+/// Sets the position of the contact points.
 pub fn points(model: &mut Model, points: ContactPoints) {
     model.contact.points = points;
 }
 
-/// Everything that a run committed.
+/// All accepted increments of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     pub rows: Vec<HistoryRow>,
@@ -205,7 +205,7 @@ impl Recorder for Recording {
     }
 }
 
-/// Runs a model and keeps every commit.
+/// Runs a model and records every accepted increment.
 pub fn run(model: &Model) -> (Recording, Summary) {
     let mut recording = Recording::default();
     let summary = wythe::solve::run(model, &mut recording).expect("the model can be run");
@@ -229,7 +229,7 @@ pub fn rows(deck: &Deck) -> Vec<HistoryRow> {
     completed(&model).rows
 }
 
-/// W − (E + T + ΣD), what the energies of a row lack [J].
+/// Error of the energy balance of a row, W − (E + T + ΣD) [J].
 pub fn gap(row: &HistoryRow) -> f64 {
     row.external_work_J
         - row.elastic_energy_J
@@ -246,12 +246,12 @@ pub fn most(recording: &Recording, of: fn(&HistoryRow) -> f64) -> f64 {
     recording.rows.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Worst gap of the energies over the most that was put in [-].
+/// Largest error of the energy balance over the largest energy input [-].
 pub fn imbalance(recording: &Recording) -> f64 {
     most(recording, |r| gap(r).abs()) / most(recording, |r| r.external_work_J.abs())
 }
 
-/// Points that slid from one commit to the next, and do not face nothing: index and history.
+/// Points that slid between two accepted increments and face a facet: index and history.
 pub fn sliding<'s>(
     before: &'s State,
     now: &'s State,

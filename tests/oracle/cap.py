@@ -111,7 +111,7 @@ class CapJoint:
 
 @dataclass
 class Curves:
-    """The answer, one entry a row of the path."""
+    """Results, one entry per row of the path."""
 
     #: sigma, tau1, tau2 [MPa]. Shape (rows, 3).
     tractions: Floats
@@ -204,7 +204,7 @@ class Law:
 
 @dataclass
 class _Point:
-    """A point on its way."""
+    """A point during its path."""
 
     law: Law
     y: Floats = field(default_factory=lambda: np.zeros(7))
@@ -234,7 +234,7 @@ class _Point:
         raise RuntimeError(f"no branch at {y} along {gap}")
 
     def elastic(self, gap: Floats, start: float) -> float:
-        """Goes on until a surface is reached; the time of that, or 1."""
+        """Integrates until a surface is reached; returns that time, or 1."""
         j, begin = self.law.joint, self.y.copy()
         rate = np.zeros(7)
         rate[0], rate[TAU] = j.normal_stiffness * gap[0], j.shear_stiffness * gap[1:]
@@ -250,7 +250,7 @@ class _Point:
         return end
 
     def plastic(self, gap: Floats, start: float, branch: Branch) -> float:
-        """Goes on while the branch holds; the time at which this ends, or 1."""
+        """Integrates while the branch holds; returns the end time, or 1."""
         law, j = self.law, self.law.joint
         kink = j.kinks[branch.piece]
 
@@ -274,7 +274,7 @@ class _Point:
         if done.status < 0:
             raise RuntimeError(f"no answer beyond the time {done.t[-1]} of a row: {done.message}")
         self.y = done.y[:, -1]
-        # Onto the other side of a kink whatever the rounding.
+        # Move to the other side of a kink, independently of rounding.
         if len(done.t_events[0]):
             self.y[0] = SMALLEST if branch.pressed else -SMALLEST
         if len(done.t_events[1]):
@@ -287,7 +287,7 @@ class _Point:
 
 
 def drive(joint: CapJoint, path: Floats) -> Curves:
-    """Takes a virgin point along a path of u and two slips [mm], shape (rows, 3), straight between rows."""
+    """Drives a point from rest along a path of u and two slips [mm], shape (rows, 3), straight between rows."""
     point = _Point(Law(joint))
     point.y[LOSS] = BROKEN if joint.dry else 0.0
     rows = len(path)
@@ -305,7 +305,7 @@ def drive(joint: CapJoint, path: Floats) -> Curves:
 
 
 def _go(point: _Point, gap: Floats) -> None:
-    """Goes to the end of a row, whose time runs from 0 to 1."""
+    """Integrates to the end of a row, whose time runs from 0 to 1."""
     t, neutral = 0.0, False
     for _ in range(PIECES):
         before = t

@@ -14,7 +14,7 @@ DILATANT = CapJoint(
     0.2, 0.4, 0.9, 0.6, 0.03, 0.15, 8.0, 0.05, 3.0, 120.0, 50.0,
     C_nn=1.3, C_ss=7.0, tan_psi=0.5, sigma_u=3.0, delta=2.0,
 )  # fmt: skip
-#: An invented joint without bond: tan phi_0 and the energies of the bond count for nothing.
+#: An invented joint without bond: tan phi_0 and the energies of the bond have no effect.
 DRY = CapJoint(0.0, 0.0, 0.9, 0.65, 1.0, 1.0, 9.0, 0.04, 3.0, 100.0, 40.0, tan_psi=0.2, sigma_u=2.0)
 
 CAP_CASES = [

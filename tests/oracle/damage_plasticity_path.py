@@ -28,7 +28,7 @@ BEYOND_ZERO = 1e-10
 
 @dataclass
 class Curves:
-    """The answer, one entry a row of the path."""
+    """Results, one entry per row of the path."""
 
     #: Shape (rows, 6).
     strains: Floats
@@ -53,7 +53,7 @@ class _Row:
 
 @dataclass
 class _Point:
-    """A point on its way. Stresses in MPa; strains and hardening variables are multiplied by E, so in MPa, too."""
+    """A point during its path. Stresses in MPa; strains and hardening variables are multiplied by E, so in MPa, too."""
 
     law: Law
     stress: Floats = field(default_factory=lambda: np.zeros(6))
@@ -112,7 +112,7 @@ class _Point:
         return None
 
     def elastic(self, row: _Row, start: float) -> float:
-        """Goes on until the point yields; the time of that, or 1."""
+        """Integrates until the point yields; returns that time, or 1."""
         C, free = self.material.stiffness, self.law.free
         begin, strengths = self.stress, self.strengths()
         held = self.integrity(begin) * begin[free]
@@ -146,7 +146,7 @@ class _Point:
         return end
 
     def plastic(self, row: _Row, start: float, branch: Branch) -> float:
-        """Goes on while the point yields on a branch; the time at which this ends, or 1."""
+        """Integrates while the point yields on a branch; returns the end time, or 1."""
         E, n = self.material.E, len(self.law.free)
         ends = (self.material.tensile.end(branch.tensile), self.material.compressive.end(branch.compressive))
 
@@ -184,7 +184,7 @@ class _Point:
             self.viscous = y[8 + n :]
         for i, times in zip(nodes, done.t_events[2:], strict=True):
             if len(times):
-                # Onto the next segment whatever the rounding.
+                # Move to the next segment, independently of rounding.
                 self.kappa[i] = np.nextafter(E * ends[i], np.inf)
         self.drift = max(self.drift, abs(self.law.yield_function(self.stress, *self.strengths())))
         return float(done.t[-1])
@@ -235,7 +235,7 @@ def _at(material: Material, kt: float, kc: float, which: int) -> tuple[float, fl
 
 
 def drive(material: Material, path: Floats, stress: Sequence[str] = (), seconds: float = 1.0) -> Curves:
-    """Takes a virgin point along a path.
+    """Drives a point from its initial state along a path.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def drive(material: Material, path: Floats, stress: Sequence[str] = (), seconds:
 
 
 def _go(point: _Point, row: _Row) -> None:
-    """Goes to the end of a row."""
+    """Integrates to the end of a row."""
     t, neutral = 0.0, False
     for _ in range(PIECES):
         before = t

@@ -152,7 +152,7 @@ class Rates:
 
 @dataclass
 class Curves:
-    """The answer, one entry a row of the path."""
+    """Results, one entry per row of the path."""
 
     #: Shape (rows, 6).
     strains: Floats
@@ -166,7 +166,7 @@ class Curves:
 
 @dataclass
 class _Point:
-    """A point on its way. Stresses in MPa; strains and equivalent plastic strains are multiplied by E."""
+    """A point during its path. Stresses in MPa; strains and equivalent plastic strains are multiplied by E."""
 
     law: DruckerPrager
     free: list[int]
@@ -178,7 +178,7 @@ class _Point:
     drift: float = 0.0
 
     def elastic(self, strain: Floats, by_stress: Floats, start: float) -> float:
-        """Goes on until the point yields; the time of that, or 1."""
+        """Integrates until the point yields; returns that time, or 1."""
         law, free, begin, C = self.law, self.free, self.stress, self.law.stiffness
         rate = strain.copy()
         rate[free] = np.linalg.solve(C[np.ix_(free, free)], by_stress[free] - C[free] @ strain)
@@ -189,7 +189,7 @@ class _Point:
         return end
 
     def plastic(self, strain: Floats, by_stress: Floats, start: float, neutral: bool) -> float | None:
-        """Goes on while the point yields; the time at which this or the formula of w ends, or 1.
+        """Integrates while the point yields and the formula of w holds; returns the end time, or 1.
 
         None if it does not yield. `neutral` says that the last piece was elastic and had no length. The multiplier
         may then begin at zero, where a path turns along the yield surface.
@@ -243,7 +243,7 @@ def _side(stress: Floats) -> int:
 
 
 def drive(law: DruckerPrager, path: Floats, stress: Sequence[str] = ()) -> Curves:
-    """Takes a virgin point along a path.
+    """Drives a point from its initial state along a path.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def drive(law: DruckerPrager, path: Floats, stress: Sequence[str] = ()) -> Curve
 
 
 def _go(point: _Point, strain: Floats, by_stress: Floats) -> None:
-    """Goes to the end of a row, whose time runs from 0 to 1."""
+    """Integrates to the end of a row, whose time runs from 0 to 1."""
     t, neutral = 0.0, False
     for _ in range(PIECES):
         end = point.plastic(strain, by_stress, t, neutral)

@@ -106,7 +106,7 @@ class Branch:
 
     #: sigma = k_n u although open: u_max < (1 - D) u_0.
     elastic: bool
-    #: "Q", "H" or "both" drives D; "": nothing does.
+    #: "Q", "H" or "both" drives D; "": D is constant.
     driver: str
     #: s_max = |delta_p| grows.
     growing: bool

@@ -22,7 +22,7 @@ from tables import Floats
 RTOL, ATOL = 1e-12, 1e-16
 #: A shear traction this little below its limit slips [MPa].
 ON_SURFACE = 1e-9
-#: Least |tau| by which n turns [MPa]: where a joint gapes it would turn infinitely fast.
+#: Smallest |tau| for the rotation of n [MPa]: in an open joint n would rotate infinitely fast.
 SMALLEST = 1e-9
 #: Above this ratio of the slip of a part to |tau|/k_s, the slip over which n turns, the implicit integrator is faster.
 STIFF = 1e4
@@ -32,7 +32,7 @@ SLACK = 1e-14
 
 @dataclass
 class Curves:
-    """The answer, one entry a row of the path."""
+    """Results, one entry per row of the path."""
 
     #: sigma, tau1, tau2 [MPa]. Shape (rows, 3).
     tractions: Floats
@@ -46,7 +46,7 @@ class Curves:
 
 @dataclass
 class _Point:
-    """A point on its way."""
+    """A point during its path."""
 
     joint: Joint
     u_max: float = 0.0
@@ -130,7 +130,7 @@ class _Point:
         return branch if gamma > 0.0 or neutral else None
 
     def stick(self, part: Part, start: float) -> float:
-        """Goes on until the point slips; the time of that, or 1."""
+        """Integrates until the point slips; returns that time, or 1."""
 
         def f(t: float) -> float:
             _, tau, g = self.tractions(part, t)
@@ -149,13 +149,13 @@ class _Point:
         return end
 
     def gape(self, part: Part) -> None:
-        """Goes to the end of a part in which the joint is broken and open: delta_p follows delta."""
+        """Integrates to the end of a part in which the joint is broken and open: delta_p follows delta."""
         self.u_max = self.opened(part, 1.0)[1]
         self.plastic = part.slip + part.slip_rate
         self.s_max = max(self.s_max, math.hypot(*part.slip), math.hypot(*self.plastic))
 
     def slide(self, part: Part, start: float, branch: Branch) -> float:
-        """Goes on while the point slips on a branch; the time at which this ends, or 1."""
+        """Integrates while the point slips on a branch; returns the end time, or 1."""
         j = self.joint
         before = replace(self)
         n = self.direction(part, start)
@@ -234,7 +234,7 @@ def across(n: Floats, rate: Floats) -> float:
 
 
 def drive(joint: Joint, path: Floats) -> Curves:
-    """Takes a virgin point along a path of u and two slips [mm], shape (rows, 3), straight between rows."""
+    """Drives a point from rest along a path of u and two slips [mm], shape (rows, 3), straight between rows."""
     point = _Point(joint, damage=1.0 if joint.dry else 0.0)
     rows = len(path)
     answer = Curves(np.zeros((rows, 3)), np.zeros((rows, 5)), np.zeros(rows))
@@ -267,7 +267,7 @@ def _parts(joint: Joint, u_max: float, u: float, to: float) -> list[tuple[float,
 
 
 def _go(point: _Point, part: Part) -> None:
-    """Goes to the end of a part."""
+    """Integrates to the end of a part."""
     if point.damage >= 1.0 and not part.closed:
         point.gape(part)
         return

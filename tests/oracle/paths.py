@@ -45,7 +45,7 @@ MATERIALS = {"brick": BRICK, "mortar850": MORTAR_850, "mortar2300": MORTAR_2300,
 TABLE_1 = Joint(0.28, 0.87, 1.01, 0.73, 0.2, 0.4, 4.38, 1.1, 99000.0, 43043.47826086957)
 #: Table 3 of the paper, in plane, 500 times the stiffness of the mortar.
 TABLE_3 = Joint(0.2, 0.22, 0.75, 0.75, 0.36, 0.4, 4.38, 1.1, 34000.0, 14783.0)
-#: An invented joint without bond. Its brittleness and ultimate gaps count for nothing.
+#: An invented joint without bond. Its brittleness and ultimate gaps have no effect.
 DRY = Joint(0.0, 0.0, 0.65, 0.65, 1.0, 1.0, 1.0, 1.0, 5000.0, 2000.0)
 #: Openings under a pressure of 1 MPa [mm].
 PRESSED_1, PRESSED_3 = -1.0 / TABLE_1.normal_stiffness, -1.0 / TABLE_3.normal_stiffness

@@ -61,7 +61,7 @@ def test_curves_never_exceed_the_cone(case: MaterialCase) -> None:
     assert (np.abs(F[yields]) < 4e-12).mean() > 0.9
 
 
-def test_turned_strains_give_turned_stresses() -> None:
+def test_rotated_strains_give_rotated_stresses() -> None:
     turn = np.linalg.qr(np.array([[0.2, -0.9, 0.4], [1.0, 0.3, 0.1], [-0.3, 0.5, 0.9]]))[0]
     path = next(case.path for case in DRUCKER_PRAGER_CASES if case.name == "dp_rock_spatial")[:40]
 
@@ -104,7 +104,7 @@ def test_shear_of_a_joint_falls_from_the_peak_to_friction() -> None:
 
 
 @pytest.mark.parametrize("joint", [PLAIN, DILATANT], ids=["plain", "dilatant"])
-def test_crushing_follows_the_curve_and_spends_its_energy(joint: cap.CapJoint) -> None:
+def test_crushing_follows_the_curve_and_dissipates_its_energy(joint: cap.CapJoint) -> None:
     initial, middle, rest = joint.f_m / 3, joint.f_m / 2, joint.f_m / 7
     k_p, k_m = joint.kappa_p, joint.kappa_m
     # (12) with its printed digits.
@@ -135,7 +135,7 @@ def test_crushing_follows_the_curve_and_spends_its_energy(joint: cap.CapJoint) -
     assert dissipated == pytest.approx(joint.G_fc, rel=1e-10)
 
 
-def test_slip_lifts_by_the_dilatancy() -> None:
+def test_slip_dilates_the_joint() -> None:
     """At a constant opening the pressure grows by the plastic opening; d u_p/d s_p is linear in it (6)."""
     joint = replace(DILATANT, delta=0.0, f_m=80.0, G_fc=30.0)
     found = cap.drive(joint, legs((1, -0.005, 0, 0), (40, -0.005, 0.4, 0)))

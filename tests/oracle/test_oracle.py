@@ -56,7 +56,7 @@ def worst(a: np.ndarray, b: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("case", MATERIALS, ids=lambda case: case.name)
-def test_material_curves_are_made_again(case: MaterialCase) -> None:
+def test_stored_material_curves_are_reproduced(case: MaterialCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), material_table(case)
     assert list(stored) == list(made)
     # Integration with tolerances ten times smaller moves stresses by 3e-11 MPa at most, damage by 9e-13, strains
@@ -69,7 +69,7 @@ def test_material_curves_are_made_again(case: MaterialCase) -> None:
 
 
 @pytest.mark.parametrize("case", JOINTS, ids=lambda case: case.name)
-def test_joint_curves_are_made_again(case: JointCase) -> None:
+def test_stored_joint_curves_are_reproduced(case: JointCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), joint_table(case)
     assert list(stored) == list(made)
     # Integration with tolerances ten times smaller moves tractions by 5.9e-12 MPa at most, damage and slips by
@@ -174,7 +174,7 @@ def test_tables_without_a_bound_keep_their_damage(material: Material) -> None:
         assert np.interp(rows[:, 1], found.eps_in, found.damage) == pytest.approx(rows[:, 2], abs=1e-13)
 
 
-def test_first_yield_lies_where_the_closed_forms_say() -> None:
+def test_first_yield_equals_the_closed_forms() -> None:
     directions = {"uniaxial tension": [1, 0, 0], "hydrostatic tension p": [1, 1, 1]}
     for ratio in ("0", "0.25", "0.52", "0.75", "1"):
         directions[f"CC 1:{ratio}"] = [-1, -float(ratio), 0]
@@ -207,7 +207,7 @@ def test_uniaxial_curves_are_the_polylines_of_the_tables(material: Material, sig
     assert np.abs(found.stresses[:, 1:]).max() < 1e-13
 
 
-def test_flow_and_hardening_belong_together() -> None:
+def test_flow_and_hardening_are_consistent() -> None:
     """Trace of N is T; in uniaxial states kappa is the axial plastic strain."""
     law = Law(STONE)
     for sign in (1.0, -1.0):
@@ -266,7 +266,7 @@ def test_plastic_states_stay_on_the_yield_surface() -> None:
         assert found.drift < 3e-9
 
 
-def test_turned_paths_give_turned_stresses() -> None:
+def test_rotated_paths_give_rotated_stresses() -> None:
     turn = np.linalg.qr(np.array([[0.2, -0.9, 0.4], [1.0, 0.3, 0.1], [-0.3, 0.5, 0.9]]))[0]
     path = next(case.path for case in MATERIAL_CASES if case.name == "cdp_stone_eff1_spatial")[:40]
 

@@ -1,4 +1,4 @@
-"""A headless Chromium, spoken to over its debugging pipe: no driver, no package."""
+"""A headless Chromium, controlled through its debugging pipe without a driver or a package."""
 
 import base64
 import json
@@ -19,20 +19,20 @@ PATIENCE = 60.0  # seconds for one answer: WebGL is drawn by the processor
 
 
 def find() -> str | None:
-    """The browser's command, if there is one: $CHROMIUM, or what is installed."""
+    """The command of the browser, if there is one: $CHROMIUM, or an installed one."""
     named = os.environ.get("CHROMIUM")
     return named or next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One page. Errors that the page throws or logs gather in `errors`, addresses it asks for in `asked`."""
+    """One page. Errors that the page throws or logs are in `errors`, requested addresses in `asked`."""
 
     def __init__(self, command: str, profile: Path) -> None:
         to_read, self._to = os.pipe()
         self._from, to_write = os.pipe()
 
         def ends() -> None:
-            # The browser's ends are its numbers 3 and 4; by way of higher ones, should they be in the way.
+            # The browser reads and writes file descriptors 3 and 4; higher ones avoid a conflict.
             for number, end in zip((3, 4), (os.dup2(to_read, 63), os.dup2(to_write, 64)), strict=True):
                 os.dup2(end, number)
 
@@ -64,7 +64,7 @@ class Browser:
         os.close(self._from)
 
     def call(self, method: str, **parameters: object) -> dict:
-        """Asks the browser for something and waits for the answer."""
+        """Sends a request to the browser and waits for the answer."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
         if self._session:
@@ -120,7 +120,7 @@ class Browser:
             time.sleep(0.05)
 
     def tell(self, expression: str) -> object:
-        """What an expression is in the page."""
+        """Value of an expression in the page."""
         answer = self.call(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )

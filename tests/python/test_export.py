@@ -1,4 +1,4 @@
-"""What `wythe export` writes, as VTK and others read it."""
+"""Files of `wythe export` as VTK and other programs read them."""
 
 import csv
 import subprocess

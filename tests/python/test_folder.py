@@ -44,7 +44,7 @@ def test_the_summary_has_its_keys(couplet: Path) -> None:
     assert summary["units"] == 2 and summary["threads"] >= 1
     # A quarter of it is solved.
     assert len(summary["mirror_planes"]) == 2
-    # Phases overlap nothing and miss only what is between them.
+    # Phases do not overlap; only the time between them is missing.
     assert 0 < sum(summary["seconds_by_phase"].values()) <= summary["wall_s"]
 
 

@@ -79,7 +79,7 @@ def test_every_topic_is_declared_and_the_deck_attached(couplet: Path) -> None:
     assert attached == {"model.toml": (couplet / "model.toml").read_bytes()}
 
 
-def test_the_scene_is_the_wall_where_it_is_now(couplet: Path) -> None:
+def test_the_scene_shows_the_deformed_wall(couplet: Path) -> None:
     topics, rows = read(couplet / "run.mcap"), rows_of(couplet)
     heights = []
     for log_time, scene in topics["/scene"]:
@@ -89,7 +89,7 @@ def test_the_scene_is_the_wall_where_it_is_now(couplet: Path) -> None:
         assert all(max(t["indices"]) < len(t["points"]) for t in triangles)
         assert all(len(t["indices"]) % 3 == 0 for t in triangles)
         heights.append(max(point["z"] for t in triangles for point in t["points"]))
-    # At rest, then pulled upwards as far as the history says, to a micrometre [m].
+    # At rest, then pulled upwards to the displacement of the history, within a micrometre [m].
     displacement = [0.0] + [float(row["displacement_mm"]) for row in rows]
     at = [log_time // TICK for log_time, _ in topics["/scene"]]
     assert at[0] == 0 and at[-1] == len(rows)
@@ -122,7 +122,7 @@ def test_a_file_that_was_cut_is_salvaged(couplet: Path, tmp_path: Path) -> None:
     assert "it was whole" in salvage(path).stdout
 
 
-def test_what_cannot_be_salvaged_is_said(tmp_path: Path) -> None:
+def test_files_that_cannot_be_repaired_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     missing = salvage(path)
     assert missing.returncode == 4 and "run.mcap" in missing.stderr

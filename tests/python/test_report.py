@@ -1,4 +1,4 @@
-"""The page of `wythe report` in a browser: it draws, it listens, it asks nobody."""
+"""The page of `wythe report` in a browser: it draws, responds, and requests nothing."""
 
 import shutil
 import subprocess
@@ -53,7 +53,7 @@ def pixels(png: bytes, folder: Path) -> np.ndarray:
 
 
 def drawn(browser: Browser, folder: Path, selector: str) -> float:
-    """Part of an element that is not its commonest colour."""
+    """Fraction of the pixels of an element that differ from its most frequent colour."""
     of = pixels(browser.picture(selector), folder)
     _, counts = np.unique(of, axis=0, return_counts=True)
     return 1 - counts.max() / len(of)
@@ -66,7 +66,7 @@ def quiet(browser: Browser, page: Path) -> None:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [WIDE, PHONE])
-def test_the_page_draws_wall_and_curves_and_asks_nobody(
+def test_the_page_draws_wall_and_curves_and_requests_nothing(
     browser: Browser, page: Path, tmp_path: Path, size: tuple[int, int], scheme: str
 ) -> None:
     browser.open(page, *size, prefers_color_scheme=scheme)
@@ -136,7 +136,7 @@ def test_colours_magnification_and_the_point_of_view_change_the_picture(
     assert len(seen) == 6, "each is another picture"
     legend = str(browser.tell("document.getElementById('legend').textContent"))
     assert "failed, open" in legend
-    # Every control says what it is.
+    # Every control has a label.
     nameless = browser.tell(
         "[...document.querySelectorAll('input,select,button')].filter(e => !e.labels?.length"
         " && !e.textContent.trim() && !e.getAttribute('aria-label')).length"
@@ -145,7 +145,7 @@ def test_colours_magnification_and_the_point_of_view_change_the_picture(
     quiet(browser, page)
 
 
-def test_a_page_of_what_is_left_after_a_kill(browser: Browser, couplet: Path, tmp_path: Path) -> None:
+def test_a_page_of_a_killed_run(browser: Browser, couplet: Path, tmp_path: Path) -> None:
     folder = tmp_path / "killed.out"
     shutil.copytree(couplet, folder)
     (folder / "summary.json").unlink()

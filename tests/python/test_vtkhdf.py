@@ -80,7 +80,7 @@ def test_vtk_reads_the_known_fields(known: Path, step: int) -> None:
     np.testing.assert_allclose(cells(grid, "compressive_damage"), t / (8 + e), rtol=1e-15)
     np.testing.assert_allclose(cells(grid, "crack_width"), t * e / 100, rtol=1e-15)
     assert cells(grid, "yielded").tolist() == [0, 1, 1]
-    # Of the tensor that the six components make, by another's eigenvalues.
+    # Of the tensor that the six components make, with eigenvalues of another library.
     np.testing.assert_allclose(cells(grid, "principal_stress"), principal(stress), atol=1e-12 * t)
     assert grid.GetPointData().GetArray("velocity") is None
     assert cells(grid, "material").tolist() == [0, 1, 0]
@@ -179,7 +179,7 @@ def test_reactions_are_in_equilibrium_with_the_force(couplet: Path) -> None:
     assert top.shape == bottom.shape == (len(force), 3)
     np.testing.assert_allclose(top[:, 2], force, rtol=1e-14)
     assert force.max() > 1000
-    # No weight: what pulls above is held below, up to what the iterations leave out of balance.
+    # No weight: the force above equals the reaction below, up to the residual of the iterations.
     np.testing.assert_allclose(bottom[:, 2], -force, atol=1e-2 * force.max())
 
 
@@ -215,7 +215,7 @@ def test_vtk_reads_the_interfaces_by_way_of_the_sidecar(couplet: Path) -> None:
         assert of["CellData/traction"].attrs["unit"] == "MPa"
     assert cells(worst, "damage").max() == largest > 0
     assert set(cells(worst, "state")) <= {0, 1, 2, 3}
-    # Quads between the mortar and the upper brick, and what opens them lies above.
+    # Quads between the mortar and the upper brick; the brick above moves away.
     assert {worst.GetCellType(c) for c in range(worst.GetNumberOfCells())} == {9}
     assert (cells(worst, "opening") > 0).all()
 

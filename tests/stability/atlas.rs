@@ -1,5 +1,5 @@
-//! The stability atlas in its short forms: the default gets through every case, and what judges it can
-//! tell right from wrong.
+//! The stability atlas with its short forms: the default settings complete every case, and the evaluation
+//! distinguishes right from wrong results.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,7 +14,7 @@ fn run(cases: &[Case], methods: &[&str]) -> Study {
     let options = Options {
         methods: methods.iter().map(|&m| m.to_owned()).collect(),
         short: true,
-        // No case comes near it; a run that hangs ends.
+        // All cases are far below this limit; it stops a run that hangs.
         limit: Duration::from_secs(120),
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
     };
@@ -29,7 +29,7 @@ fn run(cases: &[Case], methods: &[&str]) -> Study {
     study::stability(cases, &options, &progress, &|| false).unwrap()
 }
 
-/// What is wrong with the cells of a study, as one text.
+/// Failures in the cells of a study, as one text.
 fn failures(atlas: &Study) -> Vec<(String, String)> {
     let mut failures = Vec::new();
     for row in &atlas.rows {
@@ -53,8 +53,8 @@ fn failures(atlas: &Study) -> Vec<(String, String)> {
 fn the_default_completes_every_case() {
     let atlas = run(&study::cases(&folder()).unwrap(), &["auto"]);
     assert!(atlas.rows.iter().all(|row| row.cells.len() == 1));
-    // A relaxation jumps over the snap of case 15 at the held displacement, as a jack does; peak and residual force are right, and
-    // `dissipation` has the path between them.
+    // In case 15 a relaxation jumps over the snap at a fixed displacement, as a jack does. Peak and residual force
+    // are right; only `dissipation` follows the path between them.
     let jumps = |id: &str, text: &str| {
         id == "15" && text.contains("end half way down") && !text.contains("force")
     };
@@ -121,7 +121,7 @@ value = 7.29708
 tolerance = 0.005
 "#;
 
-/// The message, the line and the advice that a wrong case gets.
+/// Message, line and advice for an invalid case.
 fn refused(text: &str) -> (String, usize, String) {
     match Case::from_str(text, "case.toml", &folder().join("17-penalties")) {
         Err(StudyError::Case(error)) => (

@@ -1,4 +1,4 @@
-//! The answer must not depend on the path to it: default settings against the most careful ones.
+//! The result must not depend on the increments: default settings against very careful ones.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use wythe::state::Status;
 /// Displacement [mm] and force [kN].
 type Curve = Vec<[f64; 2]>;
 
-/// The stored curve; the command that wrote it stands in the deck.
+/// The stored curve; its deck contains the command that wrote it.
 fn careful(folder: &Path) -> Curve {
     let text = std::fs::read_to_string(folder.join("careful.csv")).unwrap();
     let rows = text.lines().filter(|l| !l.starts_with(['#', 'd']));
@@ -43,7 +43,7 @@ fn the_default_agrees_with_a_tenth_of_its_increments_and_a_hundredth_of_its_tole
     let rows = recording.rows.iter().filter(|r| r.step == 1);
     let curve: Curve = rows.map(|r| [r.displacement_mm, r.force_kN]).collect();
     let careful = careful(&folder);
-    // A fall that both must show: the wall has lost a fifth of its strength at the end.
+    // Both curves must show softening: at the end the wall has lost a fifth of its strength.
     for curve in [&curve, &careful] {
         assert!(curve.last().unwrap()[1] < 0.8 * peak(curve));
     }
@@ -53,7 +53,7 @@ fn the_default_agrees_with_a_tenth_of_its_increments_and_a_hundredth_of_its_tole
         "{} solves: peak {strength:+.1e}, energy {energy:+.1e}",
         summary.iterations
     );
-    // What is promised of the default; seen: 0.02 % of both.
+    // The documented accuracy of the default; measured: 0.02 % for both.
     assert!(strength.abs() < 0.01, "{strength}");
     assert!(energy.abs() < 0.02, "{energy}");
 }

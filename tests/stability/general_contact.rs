@@ -1,4 +1,4 @@
-//! General contact: bodies that meet anywhere, from anywhere, at any speed.
+//! General contact between bodies that may meet anywhere, from any direction and at any speed.
 
 use crate::common::inside::{penetration, positions};
 use crate::common::scene::{self, Block, DENSITY, G, Recording, imbalance, most};
@@ -8,7 +8,7 @@ use wythe::state::HistoryRow;
 
 const E: f64 = 1e4;
 
-/// Largest total of kinetic, elastic and dissipated energy beyond what was put in, over it.
+/// Largest excess of kinetic, elastic and dissipated energy over the energy input, relative to the input.
 fn gain(recording: &Recording) -> f64 {
     let of = |r: &HistoryRow| {
         r.kinetic_energy_J + r.elastic_energy_J + r.interface_dissipation_J - r.external_work_J
@@ -46,7 +46,7 @@ fn tell(model: &Model, recording: &Recording) -> f64 {
     deep
 }
 
-/// Two cubes of 100 mm in free flight; the second is turned, and comes with this velocity.
+/// Two cubes of 100 mm in free flight. The second is rotated and has this velocity.
 fn collide(
     at: [f64; 3],
     turns: &[([f64; 3], f64)],
@@ -79,7 +79,7 @@ fn collide(
 fn cubes_collide_face_edge_and_corner_first() {
     let to_corner = 2.0_f64.sqrt().atan().to_degrees();
     let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
-    /// How a block lies: name, place, turns about axes.
+    /// Position of a block: name, place, rotations about axes.
     type Lying = (&'static str, [f64; 3], Vec<([f64; 3], f64)>);
     let cases: [Lying; 7] = [
         ("face on face", [0.0, 0.0, 110.0], vec![]),
@@ -102,8 +102,8 @@ fn cubes_collide_face_edge_and_corner_first() {
             vec![(z, 45.0), (x, to_corner)],
         ),
     ];
-    // Speed [mm/s], increments, time [s], and how deep bodies may be in one another [mm]: at 20 m/s they
-    // deform by 0.5 mm, and faces are warped between their corners.
+    // Speed [mm/s], increments, time [s], and allowed penetration [mm]. At 20 m/s the bodies deform by 0.5 mm, and
+    // faces warp between their corners.
     let speeds = [
         (-1000.0, 60, 0.06, 0.01),
         (-1000.0, 600, 0.06, 0.01),
@@ -118,7 +118,7 @@ fn cubes_collide_face_edge_and_corner_first() {
             let restitution = (va - vb) / v;
             println!("  {va:.1} and {vb:.1} mm/s, restitution {restitution:.3}");
             assert!(deep < most, "{name}: {deep}");
-            // HHT may make a hundredth of the kinetic energy of a blow before backward Euler takes it.
+            // HHT may create a hundredth of the kinetic energy of an impact before backward Euler dissipates it.
             assert!(
                 imbalance(&recording) < 1e-2 && gain(&recording) < 1e-2,
                 "{name}"
@@ -131,7 +131,7 @@ fn cubes_collide_face_edge_and_corner_first() {
 
 const DOWN: [f64; 3] = [0.0, 0.0, -G];
 
-/// A floor of 100 mm thickness, held.
+/// A fixed floor of 100 mm thickness.
 fn floor(model: &mut Model, size: f64) {
     let solid = scene::heavy(E, 0.2, DENSITY);
     let low = [-0.5 * size, -0.5 * size, -100.0];
@@ -146,7 +146,7 @@ fn heights(model: &Model, recording: &Recording, block: &Block) -> [f64; 2] {
     [z().fold(f64::MIN, f64::max), z().fold(f64::MAX, f64::min)]
 }
 
-/// Lets all move under its weight.
+/// Runs the model under gravity.
 fn let_fall(model: &mut Model, time: f64, increments: usize, procedure: Procedure) -> Recording {
     let mut step = scene::set_free(Gravity::Constant(DOWN), time, increments, 5e-3, -0.05);
     step.procedure = procedure;
@@ -185,7 +185,7 @@ fn a_block_falls_on_the_floor_and_comes_to_rest() {
             assert!(tell(&model, &recording) < 1e-3);
             assert!(imbalance(&recording) < 1e-2 && gain(&recording) < 1e-2);
             let [top, bottom] = heights(&model, &recording, &block);
-            // Its own weight and the penalty: some 1e-5 mm.
+            // Tolerance: own weight over the penalty, some 1e-5 mm.
             assert!(
                 (top - 100.0).abs() < 1e-3 && bottom.abs() < 1e-3,
                 "{top} {bottom}"
@@ -196,8 +196,8 @@ fn a_block_falls_on_the_floor_and_comes_to_rest() {
     }
 }
 
-/// A beam falls across a block of about its own length, `over` of which reaches over the rim at either end: its four
-/// corners are the ends of the edges that cross the rims, and nothing else carries it. How high it lies at last [mm].
+/// A beam falls across a block of about its own length; `over` [mm] of it projects over the rim at either end. Only
+/// its four corners, the ends of the edges that cross the rims, carry it. Returns its final height [mm].
 fn beam_across(over: f64, height: f64) -> (Model, Recording, f64) {
     let mut model = scene::empty();
     floor(&mut model, 200.0);
@@ -220,7 +220,7 @@ fn what_ends_at_a_rim_is_carried() {
     }
 }
 
-/// The same beam, laid half a millimetre too deep.
+/// The same beam, placed half a millimetre too low.
 #[test]
 fn what_was_laid_within_another_stays_there_at_a_rim_too() {
     for over in [-1e-3, -1e-5, 0.0, 2e-6, 1e-5, 1e-3] {
@@ -265,7 +265,7 @@ fn nothing_goes_through_a_thin_plate_however_large_the_increment() {
 
 #[test]
 fn a_block_that_comes_from_the_side_is_stopped_by_the_side() {
-    // A millimetre below the top: planned contact lets it pass, and a corner found by its depth would be
+    // One millimetre below the top. Planned contact lets the block pass, and a corner detected by its depth would be
     // lifted onto the top.
     let mut model = scene::empty();
     let solid = scene::heavy(E, 0.2, DENSITY);
@@ -306,7 +306,7 @@ fn dominoes_fall_one_on_the_other() {
     let recording = let_fall(&mut model, 1.0, 300, Procedure::QuasiStatic);
     assert!(tell(&model, &recording) < 0.01);
     assert!(imbalance(&recording) < 1e-2 && gain(&recording) < 1e-2);
-    // The last lies on its side, the others lean on one another.
+    // The last stone lies on its side, the others lean on each other.
     let tops: Vec<f64> = (stones.iter())
         .map(|s| heights(&model, &recording, s)[0])
         .collect();

@@ -1,4 +1,4 @@
-//! Where methods fail: the atlas, moving blocks, general contact.
+//! Difficult cases: the stability atlas, moving blocks, general contact.
 
 #![expect(
     clippy::too_many_lines,

@@ -1,4 +1,4 @@
-//! Dry blocks that slide, brake and rock, against the mechanics of rigid bodies.
+//! Dry blocks that slide, brake and rock, compared with rigid-body mechanics.
 
 use crate::common::blocks;
 use crate::common::scene::{self, Block, DENSITY, Face, G, Recording, completed, imbalance};
@@ -9,7 +9,7 @@ use wythe::model::scene::{ContactPoints, Gravity, Procedure, Tangent};
 
 const MU: f64 = 0.4;
 
-/// A block of 100 × 60 × 50 mm on a table of `length`, which nothing moves.
+/// A block of 100 × 60 × 50 mm on a table of length `length`, without any motion.
 fn on_a_table(length: f64) -> (Model, Block) {
     let mut model = scene::empty();
     let solid = scene::heavy(1e4, 0.2, DENSITY);
@@ -34,7 +34,7 @@ fn on_a_table(length: f64) -> (Model, Block) {
     (model, slider)
 }
 
-/// Mean displacement and velocity in x of a block at each commit, with the time.
+/// Time, mean displacement and mean velocity in x of a block at each accepted increment.
 fn way(model: &Model, recording: &Recording, block: &Block) -> Vec<[f64; 3]> {
     let dofs = wythe::assembly::DofMap::new(model);
     let nodes = block.nodes();
@@ -55,7 +55,7 @@ fn way(model: &Model, recording: &Recording, block: &Block) -> Vec<[f64; 3]> {
 #[test]
 fn a_block_slides_down_a_slope() {
     let (mut model, slider) = on_a_table(1400.0);
-    // The table is level and gravity tilted by 30°.
+    // The table is level and gravity is tilted by 30°.
     let (sin, cos) = (0.5, 0.75_f64.sqrt());
     let settle = Gravity::Growing([0.0, 0.0, -G * cos]);
     let slide = Gravity::Constant([G * sin, 0.0, -G * cos]);
@@ -74,8 +74,7 @@ fn a_block_slides_down_a_slope() {
             "{residual}: {u} mm, {v} mm/s, energies {:.1e}",
             imbalance(&recording)
         );
-        // The first increment goes half a Δt² too far, 1e-4 of the way; what is out of balance does
-        // the rest.
+        // The first increment goes half a Δt² too far, 1e-4 of the distance. The rest is the residual of equilibrium.
         assert!((u / 1000.0 - 1.0).abs() < tolerance, "{u}");
         assert!((v / (expected * duration) - 1.0).abs() < tolerance, "{v}");
         assert!(imbalance(&recording) < 1e-2);
@@ -108,10 +107,10 @@ fn a_block_brakes() {
             imbalance(&recording)
         );
         for [_, u, v] in stopped {
-            // Backward Euler's first increment and the one in which it stops: ½ μg Δt² each, 1.3e-2 mm;
-            // what is out of balance, as above.
+            // Backward Euler errs by ½ μg Δt² in the first and in the last increment, 1.3e-2 mm; the rest is the
+            // residual of equilibrium.
             assert!((u / distance - 1.0).abs() < 2e-3, "{u}");
-            // It trembles with its shear, which the scheme takes out.
+            // The block vibrates in shear, which the scheme damps.
             assert!(v.abs() < 1e-2 * v0, "{v}");
         }
         assert!(imbalance(&recording) < 1e-2);
@@ -120,8 +119,8 @@ fn a_block_brakes() {
 
 #[test]
 fn a_block_that_comes_from_the_side_is_not_caught_below_the_surface() {
-    // Only the faces are told to meet, top and bottom. The bottom is a millimetre below the top when its
-    // corners pass the edge: a penalty of 200 GPa/mm would throw the block off.
+    // Only the top and bottom faces are contact pairs. The bottom is one millimetre below the top when its corners
+    // pass the edge; a penalty of 200 GPa/mm would throw the block off.
     let mut model = scene::empty();
     let solid = scene::heavy(1e4, 0.2, DENSITY);
     let table = scene::block(
@@ -161,7 +160,7 @@ fn a_block_that_comes_from_the_side_is_not_caught_below_the_surface() {
     )];
     let recording = completed(&model);
     for [t, u, v] in way(&model, &recording, &slider) {
-        // Nothing acts on it: rounding, and the tolerance of nothing.
+        // No force acts on the block: the tolerances are rounding.
         assert!(
             (u - v0 * t).abs() < 1e-6 * 50.0 && (v / v0 - 1.0).abs() < 1e-6,
             "{u} {v}"
@@ -169,7 +168,7 @@ fn a_block_that_comes_from_the_side_is_not_caught_below_the_surface() {
     }
 }
 
-/// The block of the reference, 0.2 × 1.0 m, turned by θ about its lower right edge.
+/// The block of the reference, 0.2 × 1.0 m, rotated by θ about its lower right edge.
 fn tilted(theta: f64, points: ContactPoints) -> (Model, Block) {
     let mut model = scene::empty();
     let solid = scene::heavy(3e4, 0.2, DENSITY);
@@ -224,7 +223,7 @@ fn a_rocking_block_falls_back_in_a_quarter_of_housners_period() {
             -0.1,
         )];
         let recording = completed(&model);
-        // The height of the lower left edge over time, and the passage through the floor.
+        // Height of the lower left edge over time, and its passage through the floor.
         let corner = block.corner() as usize;
         let heights: Vec<[f64; 2]> = recording
             .frames
@@ -247,14 +246,14 @@ fn a_rocking_block_falls_back_in_a_quarter_of_housners_period() {
             100.0 * (time / quarter - 1.0),
             imbalance(&recording)
         );
-        // 0.03 to 0.27 % is the linearised reference's; lumped masses turn with 0.25 % more inertia.
+        // The linearised reference errs by 0.03 to 0.27 %; lumped masses have 0.25 % more rotational inertia.
         assert!((time / quarter - 1.0).abs() < 1e-2, "{time} {quarter}");
         assert!(imbalance(&recording) < 1e-2);
     }
 }
 
-/// With the tangent of slip the first iterates of a drive back swung from one limit of friction to the
-/// other, whatever the increment.
+/// With the tangent of slip the first iterates of a reversed drive alternated between the two limits of friction, for
+/// any size of the increment.
 #[test]
 fn a_block_that_slid_is_pulled_back() {
     let deck = concat!(
@@ -273,7 +272,7 @@ fn a_block_that_slid_is_pulled_back() {
             let (model, _) = Model::from_deck(&deck).unwrap();
             let recording = completed(&model);
             let way = recording.rows.last().unwrap().probes[0];
-            // δ = μ N/k = 0.4 x 39.24 N/20 N/mm; what is out of balance bears on it.
+            // δ = μ N/k = 0.4 x 39.24 N/20 N/mm; the residual of equilibrium affects it.
             assert!((way / 0.7848 - 1.0).abs() < 1e-2, "{tangent} {mesh}: {way}");
         }
     }
@@ -314,7 +313,7 @@ fn a_moving_block_has_the_same_history_on_1_2_and_4_threads() {
     }
 }
 
-/// A block of 40 mm, at 1 m/s, on two tables of 200 mm, the second of which is higher by `step` mm.
+/// A block of 40 mm moves at 1 m/s over two tables of 200 mm. The second table is higher by `step` [mm].
 fn over_a_step(step: f64) -> Recording {
     let scene = format!(
         r#"
@@ -359,22 +358,22 @@ tolerance = { residual = 5e-3 }
 
 #[test]
 fn points_that_come_to_a_facet_of_another_height_close_their_energies() {
-    // Up, level and down; the block ends with two of its four corners on the second table.
+    // Steps up, level and down. At the end two of the four corners are on the second table.
     for step in [0.2, 0.02, 0.0, -0.2, -2.0] {
         let recording = over_a_step(step);
         let last = recording.rows.last().unwrap();
         println!("{step}: {:?} {last:?}", imbalance(&recording));
         assert!((last.probes[0] - 0.5 * step).abs() < 0.01, "{step}");
-        // What the residual leaves open; 2e-5 where it is most.
+        // Error from the residual tolerance; 2e-5 in the worst case.
         assert!(imbalance(&recording) < 1e-4, "{step}");
-        // Nothing makes energy: rounding of 0.24 J.
+        // No energy may be created: the tolerance is rounding of 0.24 J.
         assert!(last.numerical_dissipation_J > -1e-6, "{step}");
     }
 }
 
 #[test]
 fn the_side_of_a_higher_table_does_not_throw_what_slides_into_it() {
-    // Without `contact.general` it goes in below the face, which is behind its corners.
+    // Without `contact.general` the block enters below the face, which is behind its corners.
     let recording = over_a_step(2.0);
     let last = recording.rows.last().unwrap();
     assert!(last.probes[0] < 0.0, "{last:?}");
@@ -384,8 +383,8 @@ fn the_side_of_a_higher_table_does_not_throw_what_slides_into_it() {
     assert!(most.fold(0.0, f64::max) < 0.2405, "{last:?}");
 }
 
-/// A pad on a spring as soft as nothing is pressed across a gap: the first solve knows of no contact and would carry it
-/// through the block by some metres.
+/// A pad on a very soft spring is pressed across a gap. The first solve does not detect contact and would carry the
+/// pad through the block by some metres.
 #[test]
 fn a_pad_pressed_across_a_gap_comes_to_lie_on_the_block() {
     for gap in [1e-7, 1e-4, 0.01, 0.5] {
@@ -426,16 +425,17 @@ pressure = "1 MPa"
         let recording = completed(&blocks::model(&scene, pressed));
         let last = recording.rows.last().unwrap();
         let gone = last.probes[0];
-        // 1 MPa over 50 mm of 5 GPa, held sideways at its foot, and the penalty: 0.01 mm and a little.
+        // 1 MPa over 50 mm of 5 GPa, fixed sideways at its foot, plus the penalty: slightly more than 0.01 mm.
         println!("gap {gap}: {gone} mm, {} mm²", last.contact_area_mm2);
         assert!((gone - gap - 0.01).abs() < 0.002, "{gap}: {gone}");
         assert_eq!(last.contact_area_mm2, 2500.0);
     }
 }
 
-/// Eleven courses of dry blocks under a load that grows over 1000 s come down, which takes them a part of a second: what lets go
-/// on the way is held by inertia in increments far below a millionth of the step. Friction is changed in its eighth digit, for
-/// whether a wall meets the worst of its ways hangs on the last ones: with least increments of 1 ms each of these three stopped.
+/// Eleven courses of dry blocks collapse under a load that grows over 1000 s. The collapse takes a fraction of a
+/// second and is followed with inertia, in increments far below a millionth of the step. Friction varies in its
+/// eighth digit, because the hardest path is reached only for some values: with minimum increments of 1 ms each of
+/// these three stopped.
 #[test]
 fn a_wall_falls_in_a_long_step() {
     let path = concat!(
@@ -453,10 +453,10 @@ fn a_wall_falls_in_a_long_step() {
         ];
         let deck = Deck::load(path, &overrides).unwrap();
         let (model, _) = Model::from_deck(&deck).unwrap();
-        // A tenth of a millisecond, whatever the length of the step.
+        // A tenth of a millisecond, independently of the duration of the step.
         assert_eq!(model.steps[1].increments.min, 1e-4 / 1000.0);
         let recording = completed(&model);
-        // Where the step is to stop.
+        // The displacement at which the step stops.
         assert!(recording.rows.last().unwrap().displacement_mm >= 0.1);
     }
 }

@@ -1,5 +1,5 @@
-//! The scenes of docs/accuracy-speed in their short forms: the default keeps its promise; and what is wrong with a
-//! scene is said where it is written.
+//! The scenes of docs/accuracy-speed with their short forms: the default settings are as accurate as documented, and
+//! errors in a scene are reported with their place.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
 fn options(short: bool, repeats: usize) -> Options {
     Options {
         short,
-        // No run comes near it; one that hangs ends.
+        // All runs are far below this limit; it stops a run that hangs.
         limit: Duration::from_secs(300),
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         repeats,
@@ -48,7 +48,7 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
             .errors
             .clone()
             .unwrap_or_else(|why| panic!("{name}: {why}"));
-        // What is promised of the default.
+        // The documented accuracy of the default settings.
         assert!(errors.peak.abs() < 0.01, "{name}: {errors:?}");
         let lost: Vec<_> = studied
             .outcomes
@@ -69,7 +69,7 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
         }
         assert_eq!(table(studied).lines().count(), studied.outcomes.len() + 2);
     }
-    // The couplet's reference is in closed form and tells of no cracks; the small wall's is a run.
+    // The couplet's reference is a closed form without cracks; that of the small wall is a run.
     for outcome in &all[0].outcomes {
         assert_eq!(outcome.cracks, None, "{}", outcome.choice.name);
     }
@@ -77,16 +77,16 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
         let mut of = all[1].outcomes.iter();
         of.find(|o| o.choice.name == name).unwrap().cracks.unwrap()
     };
-    // Other increments crack the same up to a cell here and there (0.95 and 0.99); solids that cannot crack leave out what
-    // is theirs (0.86), and a unit cut into four by two has its joints fail elsewhere (0.68).
+    // Other increments give the same cracks except for single cells (0.95 and 0.99). Solids that cannot crack lack
+    // their part (0.86), and the joints of a unit with four by two elements fail elsewhere (0.68).
     assert!((cracks("steps x 2") - cracks("default")).abs() < 0.1);
     assert!(cracks("default") > 0.9 && cracks("default") <= 1.0);
     for name in ["elastic", "mesh 4x2x2"] {
         let overlap = cracks(name);
         assert!((0.5..0.9).contains(&overlap), "{name}: {overlap}");
     }
-    // A peak that is there from the start is seen by four times the step, too. Under inertia, where nothing goes back to
-    // it, part of it is lost: the study sees it.
+    // Increments four times as large also find a peak that exists from the start. Under inertia no increment is
+    // repeated for a peak, so that part of it is lost; the study shows this.
     let of = |name: &str| {
         all[0]
             .outcomes
@@ -158,7 +158,7 @@ set = ["blocks.0.size.1=50"]
 factor = 2
 "#;
 
-/// A bar of 100 mm that is free to its sides: 10 kN at 0.1 mm.
+/// A bar of 100 mm with free sides: 10 kN at 0.1 mm.
 const DECK: &str = r#"
 format = 1
 [materials.stone]
@@ -192,7 +192,7 @@ fn scene(text: &str) -> (tempfile::TempDir, Result<Scene, StudyError>) {
     (folder, scene)
 }
 
-/// The message with its advice.
+/// The error message with its advice.
 fn why(text: &str) -> String {
     let (_folder, scene) = scene(text);
     let error = scene.expect_err(text);
@@ -306,7 +306,7 @@ fn a_bar_by_hooke_has_no_error_whole_or_half() {
     assert_eq!(studied.outcomes.len(), 2);
     for outcome in &studied.outcomes {
         let errors = outcome.errors.clone().unwrap();
-        // Corotation at 0.1 % of strain, and the tolerance of the balance.
+        // Corotation at 0.1 % strain, and the equilibrium tolerance.
         assert!(
             errors.of_chart() < 2e-3,
             "{}: {errors:?}",
@@ -316,7 +316,7 @@ fn a_bar_by_hooke_has_no_error_whole_or_half() {
     }
     assert_eq!(studied.ratios()[0], [1.0, 1.0]);
 
-    // A page for part of the scenes leaves the sections of the others.
+    // Writing the page for some scenes keeps the sections of the others.
     let before = "# Accuracy against speed\n\n## 2 Another\n\nOf it.\n\n## 7 Old\n\nOld.\n";
     let page = page(&all, "Do this.", "scenes", before);
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text}: {page}"));
@@ -330,11 +330,11 @@ fn a_bar_by_hooke_has_no_error_whole_or_half() {
     ] {
         place(said);
     }
-    // The table says the same again.
+    // Reading the table gives the same page.
     let file = folder.path().join("table.csv");
     std::fs::write(&file, table(studied)).unwrap();
     let again = read(&studied.scene, &file).unwrap();
-    // Digits of times are cut, and their ratios with them: only once.
+    // Times and their ratios are stored with few digits, so that they are rounded only once.
     std::fs::write(&file, table(&again)).unwrap();
     assert_eq!(table(&read(&studied.scene, &file).unwrap()), table(&again));
     for (one, other) in again.outcomes.iter().zip(&studied.outcomes) {
@@ -349,7 +349,7 @@ fn a_bar_by_hooke_has_no_error_whole_or_half() {
     assert!(why.contains("no column `rms`"), "{why}");
 }
 
-/// A bar that is pressed before it is pulled goes back and forth; the steps that are asked for count, from where they begin.
+/// A bar that is compressed before it is pulled. Only the requested steps count, from their start.
 #[test]
 fn rows_of_other_steps_are_left_out() {
     let pressed = DECK
@@ -362,7 +362,7 @@ fn rows_of_other_steps_are_left_out() {
         let (folder, scene) = scene(SCENE);
         scene.unwrap();
         std::fs::write(folder.path().join("deck.toml"), &deck).unwrap();
-        // The first drive goes down: the columns count along it.
+        // The first step compresses: the columns follow its direction.
         let text = SCENE
             .replace("to = 0.1\n", &format!("to = 0.05\n{steps}"))
             .replace("= \"displacement_mm\"", "= \"-displacement_mm\"")
@@ -378,7 +378,7 @@ fn rows_of_other_steps_are_left_out() {
     }
 }
 
-/// The scene with another program beside it.
+/// The scene with results of another program.
 fn with_peer() -> String {
     let peer = "[[peers]]\nname = \"Other\"\ndiffers = \"All of it.\"\nfile = \"peer.csv\"\ndefault_cpu = 2\n";
     [SCENE, peer].concat()
@@ -394,7 +394,7 @@ fn a_peer_stands_in_chart_and_tables_and_is_not_run() {
     let peers = studied.peers();
     let (peer, errors) = (peers[0].0, peers[0].1.clone().unwrap());
     assert_eq!((peer.ratio(), peer.peak()), (1.5, 12.0));
-    // Rounding; of the area, trapezoids that meet the corner of the curve.
+    // Tolerance: rounding; for the area, trapezoids across the corner of the curve.
     assert!((errors.peak - 0.2).abs() < 1e-12, "{errors:?}");
     assert!((errors.energy - 0.1).abs() < 1e-6, "{errors:?}");
     let text = page(&all, "", "scenes", "");
@@ -408,11 +408,11 @@ fn a_peer_stands_in_chart_and_tables_and_is_not_run() {
     assert!(chart(studied).unwrap().unwrap().contains("\nOther\n"));
     let csv = table(studied);
     assert!(csv.contains("\nOther,peer,12.000000,0.200000,"), "{csv}");
-    // It comes from the scene, not from the table.
+    // The peer's values come from the scene, not from the table.
     let file = folder.path().join("table.csv");
     std::fs::write(&file, csv).unwrap();
     assert_eq!(read(&scene, &file).unwrap().outcomes.len(), 2);
-    // A table of before has no cracks.
+    // An older table has no cracks.
     let old = "# sitting\nchoice,group,peak,peak_error,energy_error,rms,cpu_s,cpu_ratio,wall_s,wall_ratio,threads,\
                increments,solves,cuts,energy_imbalance,why\nhalf,several,1,0,0,0,1,1,1,1,1,1,1,1,0,\n";
     std::fs::write(&file, old).unwrap();
@@ -435,12 +435,12 @@ fn a_reference_is_made_by_the_run_that_it_is_said_to_come_from() {
     let made = renew(&scene, Duration::from_secs(60), &|| false)
         .unwrap()
         .unwrap();
-    // With the folder of its scenes, as it is not the project's.
+    // The scene is given with its folder, because it does not belong to the project.
     let scenes = scene.folder.parent().unwrap().display();
     let command = format!("# wythe study accuracy-speed --scenes {scenes} --only 7 --references\n");
     assert!(made.curve.starts_with(&command), "{made:?}");
     std::fs::write(&scene.reference.file, made.curve).unwrap();
-    // Nothing cracks in it, nor in the choices.
+    // Neither this run nor the choices have cracks.
     let pattern = made.pattern.unwrap();
     assert!(
         pattern.starts_with("10 0 0 mm") && !pattern.contains('#'),

@@ -1,4 +1,4 @@
-//! The cases of docs/validation in their short forms: what is claimed of them holds, and their pages tell of them
+//! The cases of docs/validation with their short forms: their expectations hold, and their pages describe the cases
 //! as they are.
 
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn folder() -> PathBuf {
 fn run(cases: &[Case], folder: &Path) -> Vec<Validated> {
     let options = Options {
         short: true,
-        // No run comes near it; one that hangs ends.
+        // All runs are far below this limit; it stops a run that hangs.
         limit: Duration::from_secs(300),
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         folder: folder.to_owned(),
@@ -42,7 +42,7 @@ fn what_is_claimed_holds_in_the_short_forms() {
         for it in &validated.case.charts {
             draws_what_was_run(it, validated);
         }
-        // What can only be reported would hold of any solver.
+        // Values that are only reported would hold for any solver.
         let expect = validated
             .case
             .runs
@@ -55,7 +55,7 @@ fn what_is_claimed_holds_in_the_short_forms() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// Every run that a chart shows adds its line, every measure its mark.
+/// Checks that every run of a chart has a line and every measure a mark.
 fn draws_what_was_run(it: &Chart, validated: &Validated) {
     let empty = Validated {
         outcomes: Vec::new(),
@@ -63,7 +63,7 @@ fn draws_what_was_run(it: &Chart, validated: &Validated) {
     };
     let [with, without] = [validated, &empty].map(|of| chart(it, of).unwrap());
     let has_run = |name: &String| validated.outcome(name).is_some();
-    // Axes, ticks and the legend have lines of two points.
+    // Axes, ticks and the legend are lines of two points.
     let lines = |svg: &str| {
         let points = svg.split("<polyline ").skip(1);
         let points = points.filter_map(|line| line.split("points=\"").nth(1)?.split('"').next());
@@ -83,7 +83,7 @@ fn draws_what_was_run(it: &Chart, validated: &Validated) {
     assert_eq!(drawn, wanted, "{} of {}", it.name, validated.case.name());
 }
 
-/// The case as if each of its runs had ended, numbers left out.
+/// The case as if each of its runs had completed, without numbers.
 fn without_numbers(case: &Case) -> Validated {
     let outcomes = case.runs.iter().map(|run| {
         let of_full = run.expect.iter().filter(|e| e.holds_of(false));
@@ -112,8 +112,8 @@ fn without_numbers(case: &Case) -> Validated {
     }
 }
 
-/// The lines of a page. Of its tables of what was measured and of what it took, the columns that the case itself gives:
-/// run, expectation, what is known.
+/// The lines of a page. From tables of measurements and costs only the columns that the case itself gives: run,
+/// expectation, known value.
 fn told(page: &str) -> Vec<String> {
     let mut columns: Option<&[usize]> = None;
     let mut lines = Vec::new();
@@ -127,7 +127,7 @@ fn told(page: &str) -> Vec<String> {
         }
         let cells: Vec<&str> = line.split('|').skip(1).map(str::trim).collect();
         lines.push(match columns {
-            // How a run ended, where it did not as it must, has a row of its own.
+            // A run that ended unexpectedly has a row of its own.
             Some([_, _, _]) if cells[5].is_empty() && !line.contains("Measured") => continue,
             Some(columns) => columns
                 .iter()
@@ -140,7 +140,7 @@ fn told(page: &str) -> Vec<String> {
     lines
 }
 
-/// Pages are written by the study from the cases: whoever changes a case without its page is told here.
+/// The study writes the pages from the cases. This test fails if a case changes without its page.
 #[test]
 fn pages_tell_of_the_cases_as_they_are() {
     let listed = std::fs::read_to_string(folder().join("../validation.md")).unwrap();
@@ -175,7 +175,7 @@ fn pages_tell_of_the_cases_as_they_are() {
     }
 }
 
-/// A case of one block that is pressed.
+/// A case with one compressed block.
 const CASE: &str = r#"
 number = 1
 title = "A block"
@@ -249,7 +249,7 @@ fn a_claim_that_does_not_hold_is_told_on_the_page() {
             "{page}"
         );
         let held = if value == "1.0" { "1 of 1" } else { "0 of 1" };
-        // The rows of other cases stay.
+        // The rows of other cases remain.
         let before = "| [7 Another](validation/x/README.md) | 1 | 1 of 1 | | 1 |\n| [1 A block](x) | stale |";
         let listed = index(&all, "validation", before);
         assert!(
@@ -267,11 +267,11 @@ fn a_claim_that_does_not_hold_is_told_on_the_page() {
     }
 }
 
-/// A run that breaks has no files to write over those of the one before, and its claims are counted all the same; one
-/// that holds all claims and yet ends wrongly does not pass for right.
+/// A failed run must not overwrite the files of the previous one, and its expectations are counted. A run that meets
+/// all expectations but ends wrongly does not pass.
 #[test]
 fn what_breaks_is_told_in_the_list() {
-    // The force is given in the file, so that it is refused when the model is built.
+    // The force is given in the file, so that it is rejected when the model is built.
     let (folder, case) = block(CASE);
     let deck = folder.path().join("block_deck.toml");
     std::fs::write(&deck, DECK.replace("on = \"block.top\"", "on = \"blok\"")).unwrap();
@@ -292,7 +292,7 @@ fn what_breaks_is_told_in_the_list() {
     );
 }
 
-/// The distance from a curve that is only reported stands on the page.
+/// The page shows the distance from a curve that is only reported.
 #[test]
 fn a_reported_distance_from_a_curve_is_told() {
     let curve = "of = \"curve\"\nx = \"time\"\ny = \"load_kN\"\nfile = \"known.csv\"";
@@ -308,7 +308,7 @@ fn a_reported_distance_from_a_curve_is_told() {
     let all = run(&[case], folder.path());
     let page = page(&all[0]);
     let row = page.lines().find(|l| l.contains("residual")).unwrap();
-    // Half of what is known: 1/2 and 1 over 2, a quarter to a half of the largest.
+    // Half of the known curve: differences of 1/2 and 1 at a largest value of 2, a quarter to a half of it.
     assert!(
         row.contains(" % off |") && row.contains("| reported |"),
         "{row}"
@@ -376,7 +376,7 @@ fn bad_cases_are_told_with_their_place() {
             "y = { expect = \"peak\",",
             "`y.expect` and `at`",
         ),
-        // Names by which something else would be written over.
+        // Names that would overwrite other files.
         (
             "name = \"curve\"",
             "name = \"block_scene\"",
@@ -394,7 +394,7 @@ fn bad_cases_are_told_with_their_place() {
              file = \"block.csv\"\nx = \"a\"\ny = \"b\"",
             "block.csv: give the run another name",
         ),
-        // What the kind of run or chart does not read.
+        // Keys that this kind of run or chart does not read.
         (
             "x = { column = \"time\",",
             "at = { block = 1 }\nx = { column = \"time\",",

@@ -1,5 +1,5 @@
-//! Examples in which things fall apart: planned joints let go, and general contact takes over. What the bodies do is
-//! judged by a measure that knows nothing of contact.
+//! Examples of collapse: planned joints fail, and general contact takes over. The motion of the bodies is measured
+//! independently of contact.
 
 use crate::common::examples::completed;
 use crate::common::inside::{penetration, positions};
@@ -22,8 +22,8 @@ fn bodies(model: &Model) -> std::collections::BTreeSet<u32> {
     model.mesh.unit.iter().copied().collect()
 }
 
-/// Nothing is in anything else, at any time: a node is stopped where it is found, so that what is left is the penalty
-/// under a blow, and faces that are warped by it.
+/// Checks that no body penetrates another at any time. Remaining penetrations come from the penalty in an impact and
+/// from faces that it warps.
 fn nothing_is_deep(model: &Model, recording: &Recording) {
     let deep = penetration(model, recording);
     println!("deepest {deep:.2e} mm");
@@ -32,7 +32,8 @@ fn nothing_is_deep(model: &Model, recording: &Recording) {
 
 #[test]
 fn an_arch_falls_and_lies_on_the_ground() {
-    // A fall is chaotic: a stone may stand on its edge for a second before it lies. Increments of 3 ms, as in the example.
+    // A fall is chaotic: a stone may stand on its edge for a second before it falls. Increments of 3 ms, as in the
+    // example.
     let (model, recording) = completed(
         "89_falling_arch",
         &[
@@ -43,17 +44,17 @@ fn an_arch_falls_and_lies_on_the_ground() {
     );
     nothing_is_deep(&model, &recording);
     let last = recording.rows.last().unwrap();
-    // At rest: a millionth of the work of the weight would still be a motion.
+    // At rest: a kinetic energy of a millionth of the work of gravity would still be a motion.
     assert!(last.kinetic_energy_J < 1e-6 * last.external_work_J);
-    // The crown lies on the ground, 150 mm below the springings, half its thickness above: curved faces are chords,
-    // whose middle is R - R cos(π/22) cos(π/22) = 2 % of R higher than that of the arc at most.
+    // The crown lies on the ground, 150 mm below the springings; its centre is half its thickness above. Curved faces
+    // are chords, whose middle is at most R - R cos(π/22) cos(π/22) = 2 % of R above that of the arc.
     let fallen = -last.probes[0];
     let flat = 1000.0 + 150.0 - 95.0 / 2.0;
     assert!(fallen < flat && fallen > flat - 20.0, "{fallen} mm");
     for body in bodies(&model) {
         let [low, high] = heights(&model, &recording, body);
         let ground = high < -149.0;
-        // None is below the ground, none higher than two that stand one on the other.
+        // No stone is below the ground, and none is higher than two that stand on each other.
         assert!(ground || low > -150.2, "{body}: {low}");
         assert!(high < 2.0 * 290.0, "{body}: {high}");
     }
@@ -65,9 +66,9 @@ fn a_wall_that_is_blown_over_falls_apart_on_the_ground() {
     nothing_is_deep(&model, &recording);
     let rows = &recording.rows;
     let last = rows.last().unwrap();
-    // One may still be rocking a little.
+    // One block may still rock slightly.
     assert!(last.kinetic_energy_J < 1e-2 * last.external_work_J);
-    // Half of its points open when it strikes the ground; before, its foot alone.
+    // Half of the points open during the impact on the ground; before, only those at the foot.
     let points = last.open_points + last.sliding_points;
     assert!(points > 40, "{points}");
     let flying = rows.iter().rfind(|r| r.time < 1.2).unwrap();
@@ -75,20 +76,20 @@ fn a_wall_that_is_blown_over_falls_apart_on_the_ground() {
     for body in bodies(&model) {
         let [low, high] = heights(&model, &recording, body);
         let ground = high < 1e-3;
-        // They lie on a face 100 mm high, or on another one.
+        // They lie on a face 100 mm high, or on another block.
         assert!(
             ground || (low > -0.2 && high < 210.0),
             "{body}: {low}, {high}"
         );
     }
-    // They lie before the wall, as far as it was high.
+    // They lie within the height of the wall in front of it.
     let top = last.probes[0];
     assert!(top > 200.0, "{top} mm");
 }
 
 #[test]
 fn what_turns_about_gauss_points_does_not_sink_beside_them() {
-    // The wall turns over on its foot, about points a fifth of a facet inwards of its edge.
+    // The wall rotates about its foot, about points a fifth of a facet inside its edge.
     let (model, recording) = completed(
         "90_falling_wall",
         &[("contact.points", "\"gauss\""), ("output.every", "1")],

@@ -1,4 +1,5 @@
-//! Examples 71 to 88: each runs, closes its energies, and does what it is there for, measured by statics or a closed form.
+//! Examples 71 to 88: each runs, closes its energy balance, and shows its intended effect, compared with statics or a
+//! closed form.
 
 use crate::common::examples::completed;
 use wythe::state::HistoryRow;
@@ -11,12 +12,12 @@ fn last(name: &str, overrides: &[(&str, &str)]) -> HistoryRow {
     rows(name, overrides).pop().unwrap()
 }
 
-/// The largest of a column.
+/// Largest value of a column.
 fn peak<'r>(rows: impl IntoIterator<Item = &'r HistoryRow>, of: fn(&HistoryRow) -> f64) -> f64 {
     rows.into_iter().map(of).fold(f64::MIN, f64::max)
 }
 
-/// What is measured is `known` within the relative `tolerance`.
+/// Checks that `measured` equals `known` within the relative `tolerance`.
 fn near(measured: f64, known: f64, tolerance: f64) {
     println!(
         "{measured} of {known}, {:+.3} %",
@@ -28,14 +29,15 @@ fn near(measured: f64, known: f64, tolerance: f64) {
     );
 }
 
-/// Height [mm] and compliance of a column of bricks of 65 mm and beds of 10 mm: E = H/Σ(h/E) [MPa].
+/// Height [mm] and modulus of a column with bricks of 65 mm and beds of 10 mm: E = H/Σ(h/E) [MPa].
 fn column(courses: f64) -> (f64, f64) {
     let (bricks, beds) = (65.0 * courses, 10.0 * (courses - 1.0));
     let h = bricks + beds;
     (h, h / (bricks / 16700.0 + beds / 850.0))
 }
 
-/// Mortar between bricks cannot spread: up to (1−ν)/(1+ν)(1−2ν) = 1.056 times as stiff; and 1 % for head joints.
+/// Mortar between bricks cannot expand laterally: up to (1−ν)/(1+ν)(1−2ν) = 1.056 times as stiff; plus 1 % for head
+/// joints.
 const CONFINED: f64 = 1.066;
 
 #[test]
@@ -65,8 +67,8 @@ fn headers_hand_a_part_of_the_load_to_the_leaf_behind() {
     );
     println!("{with}, {without} of {alone} mm");
     assert!(without < 1.01 * alone && without > alone / CONFINED);
-    // Blocks of 5,000 MPa and 140 mm are as stiff as the leaf in front; they take a part from the header upwards on none,
-    // below all that it hands over.
+    // The blocks of 5,000 MPa and 140 mm are as stiff as the front leaf. Above the header they take nothing, below it
+    // all that the header transfers.
     assert!(with < 0.9 * without && with > 0.5 * without);
 }
 
@@ -75,7 +77,7 @@ fn a_low_ashlar_wall_slides_at_its_angle_of_friction() {
     let rows = rows("73_tilted_ashlar", &[]);
     let slid = rows.iter().find(|r| r.probes[0] > 0.1).expect("it slides");
     let angle = 31.1 * (slid.time - 0.5) / 150.0;
-    // 0.1 mm are made within half a second, in which the table turns by 0.1°.
+    // The table rotates by 0.1° in the half second that a slip of 0.1 mm takes.
     near(angle, 0.6_f64.atan().to_degrees(), 4e-3);
 }
 
@@ -95,7 +97,7 @@ fn walls_that_interlock_in_a_t_are_one_section() {
     let (web, flange) = (row.probes[0], row.probes[1]);
     let measured = (web - flange) / 440.0;
     println!("{measured} of {turns}");
-    // 4 % beyond the column for the beam's bond and the cross of head joints.
+    // 4 % above the column for the bond of the beam and the crossing head joints.
     assert!(measured < 1.01 * turns && measured > turns / (CONFINED + 0.04));
 }
 
@@ -105,7 +107,8 @@ fn a_lintel_carries_the_wall_over_an_opening() {
     let with = last("75_window_with_lintel", &[]);
     let without = last("75_window_with_lintel", &[("wall.openings", opening)]);
     println!("{with:?}\n{without:?}");
-    // A beam hinged at the edges of the opening would bend by 5 q l⁴/384 E I beside what the piers settle.
+    // A beam hinged at the edges of the opening would bend by 5 q l⁴/384 E I in addition to the settlement of the
+    // piers.
     let inertia = 102.5 * 65.0_f64.powi(3) / 12.0;
     let beam = 5.0 * 0.1 * 102.5 * 665.0_f64.powi(4) / (384.0 * 3e4 * inertia);
     assert!(with.probes[0] > 0.0 && with.probes[0] < beam);
@@ -117,7 +120,7 @@ fn a_lintel_carries_the_wall_over_an_opening() {
 fn a_wedge_rubs_on_both_sides_of_its_groove() {
     let row = last("76_wedge_in_a_groove", &[]);
     let weight = 0.5 * (40.0 + 240.0) * 100.0 * 100.0 * 2e-9 * 9810.0;
-    // What the tolerance leaves out of balance.
+    // Tolerance: the residual of equilibrium.
     near(1e3 * row.force_kN, 0.3 * weight / 0.5_f64.sqrt(), 1e-3);
 }
 
@@ -134,7 +137,7 @@ fn springs_share_loads_by_the_lever_rule() {
         ("right", right, row.probes[2]),
     ] {
         println!("{name}: {} of {force} N", 1e3 * settles);
-        // The slab turns by 1.5 mrad and moves 0.3 mm to the side above its feet: 2,200 N by 0.3 mm over 500 mm.
+        // The slab rotates by 1.5 mrad and moves 0.3 mm sideways above its feet: 2,200 N by 0.3 mm over 500 mm.
         assert!((1e3 * settles - force).abs() < 1.5, "{name}: {settles}");
     }
 }
@@ -145,14 +148,14 @@ fn drums_from_gmsh_turn_over_their_edge() {
     let up = rows.iter().find(|r| r.probes[0] > 1.0).expect("it turns");
     let angle = 52.4 * (up.time - 1.0) / 262.0;
     let known = (200.0 * 15.0_f64.to_radians().cos() / 150.0).atan();
-    // The fall takes half a second, 0.1°; dry joints of 100 N/mm^3 give.
+    // The fall takes half a second, 0.1°; dry joints of 100 N/mm³ deform.
     near(angle, known.to_degrees(), 5e-3);
 }
 
 #[test]
 fn concrete_unloads_by_what_is_left_of_its_stiffness() {
     let rows = rows("79_concrete_to_and_fro", &[]);
-    // Chords between rows and increments.
+    // Tolerance: chords between rows and increments.
     near(peak(&rows, |r| r.force_kN.abs()), 276.0, 5e-3);
     let mut unloadings = 0;
     for pair in rows.windows(2) {
@@ -176,7 +179,7 @@ fn concrete_carries_more_in_two_directions() {
             r.force_kN.abs()
         })
     };
-    // Increments of 3 µm pass the peak of the chords between rows.
+    // Increments of 3 µm cut the corner at the peak between two rows.
     near(force(&[]), 1.16 * 276.0, 1e-2);
     near(force(&[("steps.0.loads.1.pressure", "0")]), 276.0, 1e-2);
 }
@@ -190,7 +193,7 @@ fn a_prism_is_stronger_than_its_mortar_and_weaker_than_its_bricks() {
     assert!(rows.last().unwrap().max_compressive_damage > 0.5);
 }
 
-/// Pressed on its beds it tears through bricks, else its joints slide.
+/// Compressed across its beds the wallette tears through bricks, otherwise its joints slide.
 #[test]
 fn a_pressed_wallette_tears_through_its_bricks() {
     let run = |o: &[(&str, &str)]| {
@@ -199,7 +202,7 @@ fn a_pressed_wallette_tears_through_its_bricks() {
         let force = 1e3 * peak(&pulled, |r| r.force_kN);
         (force, peak(&pulled, |r| r.max_tensile_damage))
     };
-    // Bricks in two of four courses, head joints in the others, mortar of three beds.
+    // Upper bound: bricks in two of four courses, head joints in the others, mortar of three beds.
     let most = 49.0 * (2.0 * 50.0 * 3.5 + 2.0 * 50.0 * 0.2 + 3.0 * 12.5 * 1.5);
     let (force, damage) = run(&[]);
     println!("{force} of {most} N, {damage}");
@@ -214,7 +217,7 @@ fn a_pressed_wallette_tears_through_its_bricks() {
 fn a_wallette_cracks_along_its_diagonal() {
     let rows = rows("83_wallette_in_shear", &[]);
     let last = rows.last().unwrap();
-    // Bond and friction of a whole bed, which no diagonal can reach.
+    // Upper bound: bond and friction of a whole bed, which no diagonal crack can reach.
     let most = 1e-3 * 420.5 * 49.0 * (0.22 + 0.75 * 1.5);
     let force = peak(&rows, |r| r.force_kN);
     println!("{force} of {most} kN");
@@ -243,7 +246,7 @@ fn a_push_in_the_plane_weakens_a_wall_out_of_it() {
 fn an_arch_is_pushed_sideways_until_four_hinges_open() {
     let rows = rows("85_arch_sideways", &[]);
     let pushed = rows.iter().filter(|r| r.step == 1);
-    // Joints give by 0.01 mm before the last hinge opens.
+    // Joints deform by 0.01 mm before the last hinge opens.
     near(peak(pushed, |r| r.load_factor), 0.16134, 2e-2);
 }
 
@@ -252,9 +255,10 @@ fn a_block_rocks_in_housners_time() {
     let rows = rows("86_rocking_block", &[]);
     let height = 200.0 * 5.65496_f64.to_radians().sin();
     let impact = rows.iter().find(|r| r.probes[0] > height - 0.01).unwrap();
-    // Linearised, 0.03 to 0.27 % too short; lumped masses, 0.25 % slower; increments of half a millisecond.
+    // The linearised solution is 0.03 to 0.27 % too short; lumped masses 0.25 % slower; increments of half a
+    // millisecond.
     near(impact.time, 1.38679 / 4.0, 1e-2);
-    // It rises more slowly than it came.
+    // The block leaves more slowly than it arrived.
     let before = impact.probes[1].abs();
     assert!(rows.last().unwrap().probes[1].abs() < before);
     assert!(rows.last().unwrap().kinetic_energy_J < impact.kinetic_energy_J);
@@ -263,10 +267,10 @@ fn a_block_rocks_in_housners_time() {
 #[test]
 fn a_wall_is_shaken_to_collapse() {
     let falls = last("87_shaken_wall", &[]);
-    // Three times its thickness: past any return.
+    // Three times its thickness: return is impossible.
     assert!(falls.probes[0].abs() > 300.0, "{falls:?}");
     assert_eq!(falls.max_interface_damage, 1.0);
-    // Below t/H = 98/612.5 of gravity it cannot rock, even without any bond.
+    // Below t/H = 98/612.5 of gravity the wall cannot rock, even without bond.
     let stands = last("87_shaken_wall", &[("steps.1.ground_factor.y", "0.15")]);
     assert!(stands.probes[0].abs() < 0.01, "{stands:?}");
 }

@@ -1,4 +1,4 @@
-//! The two shear walls of the paper's section 5.1, from their decks to 4 mm, nothing fitted.
+//! The two shear walls of the paper's section 5.1, from their decks to 4 mm, without fitted parameters.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::state::Status;
 
-/// Runs an example and checks what holds of every run: it completes, each increment is in balance,
-/// and the energies close.
+/// Runs an example and checks that it completes, that each increment is in equilibrium, and that the energies
+/// balance.
 fn pushed(name: &str) -> (Model, Recording) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("examples")
@@ -22,14 +22,14 @@ fn pushed(name: &str) -> (Model, Recording) {
     for row in &recording.rows {
         let tolerance = model.steps[row.step].tolerance.residual;
         assert!(row.residual <= tolerance, "{row:?}");
-        // Nothing is extrapolated: the laws themselves are in balance.
+        // Nothing is extrapolated: the laws themselves are in equilibrium.
         assert!(row.out_of_balance <= tolerance, "{row:?}");
         let stored = row.elastic_energy_J
             + row.plastic_damage_dissipation_J
             + row.interface_dissipation_J
             + row.viscous_dissipation_J;
-        // Each term is integrated where it arises (theory/energies.md, eq. 1). What the tolerance leaves measures
-        // 0.2 %; 1 % is the most that a user should accept.
+        // Each term is integrated separately (theory/energies.md, eq. 1). The tolerance leaves 0.2 %; 1 % is the most
+        // that a user should accept.
         let error = (row.external_work_J - stored).abs();
         assert!(error < 0.01 * row.external_work_J.max(1.0), "{row:?}");
     }
@@ -75,11 +75,11 @@ fn j7d_cracks_along_its_strut_and_is_crushed() {
     let peak = peak(&recording);
     // The paper's curves and the scatter of its tests.
     assert!((85.0..115.0).contains(&peak), "{peak}");
-    // Pushed towards +x, the strut runs from the upper left to the lower right.
+    // With a push towards +x the strut runs from the upper left to the lower right.
     let alignment = alignment(&model, &recording);
     assert!(alignment < -0.5, "{alignment}");
     let last = recording.rows.last().unwrap();
-    // It fails before 4 mm: brick crushed, load fallen.
+    // The wall fails before 4 mm: brick is crushed and the load has dropped.
     assert!(last.max_compressive_damage > 0.5);
     assert!(last.force_kN < 0.9 * peak);
 }

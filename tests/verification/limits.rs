@@ -1,17 +1,17 @@
-//! Limits of the sources that clippy does not check. CONTRIBUTING.md names them.
+//! Limits of the sources that clippy does not check; CONTRIBUTING.md lists them.
 
 use std::fs;
 use std::path::Path;
 
 use crate::rooms::sources;
 
-/// Most fields of a struct without a reason.
+/// Largest number of fields of a struct without a reason.
 const FIELDS: usize = 15;
 
-/// Mark of the reason, in a comment above the struct.
+/// Mark of the reason in a comment above the struct.
 const REASON: &str = "// More than 15 fields: ";
 
-/// Structs of a source with their numbers of fields and whether a reason stands above them.
+/// Structs of a source with their number of fields and whether a reason stands above them.
 fn structs(text: &str) -> Vec<(String, usize, bool)> {
     let lines: Vec<&str> = text.lines().collect();
     let mut found = Vec::new();
@@ -78,7 +78,7 @@ fn large_structs_give_a_reason() {
     );
 }
 
-/// The test would find a struct without a reason, and accepts one with it.
+/// The search finds a struct without a reason and accepts one with it.
 #[test]
 fn fields_are_counted() {
     let fields: String = (0..16)

@@ -1,5 +1,5 @@
-//! Units, laws, elements, contact and the solver against closed forms, differences and each other. The modules mirror the
-//! rooms of the library (ARCHITECTURE.md).
+//! Units, laws, elements, contact and the solver against closed forms, finite differences and each other. The test
+//! modules mirror the modules of the library (ARCHITECTURE.md).
 
 #![expect(
     clippy::too_many_lines,

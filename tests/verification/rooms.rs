@@ -1,10 +1,10 @@
-//! Rooms of the core library: each uses only rooms below it. ARCHITECTURE.md describes them.
+//! Modules of the core library: each uses only modules below it, as ARCHITECTURE.md describes.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms of `crates/core/src`, the lowest first. A room may use rooms before it.
+/// Modules of `crates/core/src`, the lowest first. A module may use those before it.
 const ROOMS: [&str; 16] = [
     "files",
     "input",
@@ -44,7 +44,7 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Rooms that a piece of code names, as in `use crate::model::Mesh` or `use crate::{model::Mesh, tensor}`.
+/// Modules that a piece of code names, as in `use crate::model::Mesh` or `use crate::{model::Mesh, tensor}`.
 fn named(code: &str) -> BTreeSet<String> {
     let word = |text: &str| -> String {
         let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');
@@ -77,7 +77,7 @@ fn named(code: &str) -> BTreeSet<String> {
     found
 }
 
-/// Uses of rooms that do not lie below the room of the file.
+/// Uses of modules that are not below the module of the file.
 fn upward(file: &str, text: &str) -> Vec<String> {
     let first = file.split('/').next().unwrap();
     let room = first.strip_suffix(".rs").unwrap_or(first);
@@ -110,7 +110,7 @@ fn rooms_use_only_rooms_below_them() {
     let mut wrong = Vec::new();
     for path in files {
         let name = path.file_name().unwrap().to_string_lossy();
-        // Files of unit tests, and the small run that unit tests of several rooms share.
+        // Files of unit tests, and the small run that unit tests of several modules share.
         if name.ends_with("tests.rs") || name == "fake.rs" {
             continue;
         }
@@ -141,7 +141,7 @@ fn an_arrow_that_goes_up_is_found() {
     assert_eq!(upward("attic/mod.rs", "").len(), 1);
 }
 
-/// The crates: contact is a leaf, core knows only contact.
+/// The crates: contact is a leaf, core depends only on contact.
 #[test]
 fn crates_depend_downwards() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");

@@ -1,6 +1,6 @@
-//! Boxes along the axes.
+//! Axis-aligned bounding boxes.
 
-/// A box [mm].
+/// An axis-aligned box [mm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// Lowest corner.
@@ -10,13 +10,13 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self {
         min: [f64::INFINITY; 3],
         max: [f64::NEG_INFINITY; 3],
     };
 
-    /// Box of points.
+    /// Smallest box that contains the points.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a [f64; 3]>) -> Self {
         let mut result = Self::EMPTY;
         for p in points {
@@ -39,7 +39,7 @@ impl Aabb {
         result
     }
 
-    /// Larger by `margin` on all sides [mm].
+    /// The box enlarged by `margin` on all sides [mm].
     #[must_use]
     pub fn fattened(&self, margin: f64) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl Aabb {
         }
     }
 
-    /// True if the boxes share a point.
+    /// True if the two boxes share at least one point.
     #[expect(
         clippy::needless_bitwise_bool,
         reason = "without branches queries measure faster"

@@ -1,8 +1,8 @@
 //! Checks that any joint law should pass: its tangent, its independence of the directions in the plane, its energy, and
 //! its iterate of a softer stiffness.
 //!
-//! Each takes a [`Path`] of gaps, walks it, and gives an error that says where the law fails. [`Path::random`]
-//! makes paths that open, close, slide and turn.
+//! Each check follows a [`Path`] of gaps and returns an error that names the step at which the law fails.
+//! [`Path::random`] generates paths that open, close, slide and change direction.
 
 use std::error::Error;
 use std::fmt;
@@ -13,13 +13,13 @@ use crate::joint::JointLaw;
 use crate::law::InterfaceHistory;
 use crate::shifted::Shift;
 
-/// A path of gaps `[u, δ₁, δ₂]` [mm], from rest. `[step]`
+/// A path of gaps `[u, δ₁, δ₂]` [mm] that starts from zero. `[step]`
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path(pub Vec<[f64; 3]>);
 
 impl Path {
-    /// A random walk of `steps` steps from the seed: openings of about `unit` [mm], closings down to about `closing`
-    /// [mm], slips of about `unit` per step, with a new direction every six steps.
+    /// A random walk of `steps` steps from a seed: openings of about `unit` [mm], closings down to about `closing`
+    /// [mm], slips of about `unit` per step. The mean direction changes every six steps.
     pub fn random(seed: u64, steps: usize, unit: f64, closing: f64) -> Self {
         let mut state = seed;
         // splitmix64
@@ -44,7 +44,7 @@ impl Path {
         Self(gaps.collect())
     }
 
-    /// The same with every step in `parts` equal ones.
+    /// The same path with every step divided into `parts` equal steps.
     #[must_use]
     pub fn divided(&self, parts: usize) -> Self {
         let (mut from, mut all) = ([0.0; 3], Vec::with_capacity(self.0.len() * parts));
@@ -59,7 +59,7 @@ impl Path {
     }
 }
 
-/// A check that a law does not pass.
+/// A failed check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failed {
     /// Name of the law.
@@ -68,7 +68,7 @@ pub struct Failed {
     pub step: usize,
     /// Its gap [mm].
     pub gap: [f64; 3],
-    /// The quantity that is wrong, with its values.
+    /// The wrong quantity with its values.
     pub what: String,
 }
 
@@ -85,7 +85,7 @@ impl fmt::Display for Failed {
 
 impl Error for Failed {}
 
-/// Walks a path, and stops at an answer that is not finite. `look` is given step, gap, history before, answer.
+/// Follows a path and stops at a response that is not finite. `look` receives step, gap, old history and response.
 fn walk(
     law: &dyn JointLaw,
     path: &Path,
@@ -123,20 +123,19 @@ fn walk(
     Ok(())
 }
 
-/// What [`tangent`] found.
+/// Result of [`tangent`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tangents {
     /// Columns that were compared.
     pub columns: usize,
-    /// Columns at corners of the law, where the tangent is that of one side.
+    /// Columns at corners of the law, where only a one-sided difference agrees.
     pub corners: usize,
 }
 
-/// Compares the tangent with differences over `h` [mm] of the traction. At corners of a law one of the one-sided
-/// differences counts. `tolerance` is relative to the elastic stiffness of the row.
+/// Compares the tangent with finite differences of the traction over `h` [mm]. At corners of the law one of the
+/// one-sided differences must agree. `tolerance` is relative to the larger elastic stiffness.
 ///
-/// # Errors
-/// A column that is neither the central difference nor one of the one-sided ones.
+/// # Errors A column that agrees neither with the central difference nor with a one-sided difference.
 pub fn tangent(
     law: &dyn JointLaw,
     path: &Path,
@@ -161,7 +160,7 @@ pub fn tangent(
             found.columns += 1;
             if central > tolerance {
                 found.corners += 1;
-                // A one-sided difference has an error of first order.
+                // The error of a one-sided difference is of first order.
                 if one.is_nan() || one > 10.0 * tolerance {
                     let most = central.min(one);
                     return Err(format!(
@@ -175,10 +174,11 @@ pub fn tangent(
     Ok(found)
 }
 
-/// Walks the path turned in the plane by `angle` [rad] and mirrored, and compares the answers turned back.
+/// Follows the path rotated in the tangential plane by `angle` [rad], once plain and once mirrored, and compares the
+/// responses.
 ///
-/// # Errors
-/// A traction that differs by more than `tolerance` of the largest on the path, or a slot by as much of the largest.
+/// # Errors A traction that differs by more than `tolerance` times the largest traction of the path, or a slot that
+/// differs by more than `tolerance` times the largest slot.
 pub fn objectivity(
     law: &dyn JointLaw,
     path: &Path,
@@ -218,14 +218,13 @@ pub fn objectivity(
     Ok(())
 }
 
-/// Balances the work of the tractions (trapezoidal rule) with free energy, dissipation and crossing work of every
-/// step, and demands that none of them takes energy back. The path should have fine steps.
+/// Checks that in every step the work of the tractions (trapezoidal rule) equals the change of free energy plus
+/// dissipation plus crossing work, and that the dissipation is not negative. The path should have small steps.
 ///
-/// Gives work and dissipation of the path [N/mm].
+/// Returns work and dissipation of the path [N/mm].
 ///
-/// # Errors
-/// A step whose balance is open by more than `tolerance` of the largest energy of the path so far, or whose dissipation
-/// is negative by more than that.
+/// # Errors A step whose balance error exceeds `tolerance` times the largest energy of the path so far, or whose
+/// dissipation is more negative than that.
 pub fn dissipation(law: &dyn JointLaw, path: &Path, tolerance: f64) -> Result<[f64; 2], Failed> {
     let mut at = [0.0; 3];
     let (mut stored, mut work, mut lost) = (law.free_energy(&law.virgin()), 0.0, 0.0);

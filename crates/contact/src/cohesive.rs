@@ -2,7 +2,7 @@
 
 use crate::law::{CohesiveFrictional, Coupling, InterfaceHistory};
 
-/// Damage D and what drives it.
+/// Damage D with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Damage {
     /// D [-].
@@ -13,11 +13,11 @@ pub(crate) struct Damage {
     pub by_slip: f64,
 }
 
-/// 1 − e^{−ζ} and 1 − e^{−ξ} once they were computed.
+/// The denominators 1 − e^{−ζ} and 1 − e^{−ξ}, stored after their first evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wholes(Option<f64>, Option<f64>);
 
-/// Normal traction σ and its slopes at fixed and changing D.
+/// Normal traction σ with its partial derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Normal {
     /// σ [MPa].
@@ -34,7 +34,7 @@ impl CohesiveFrictional {
         self.f_t / self.normal_stiffness
     }
 
-    /// D for the largest opening and slip of this step; `wholes` are kept from call to call.
+    /// D for the largest opening and slip of this step. `wholes` caches denominators between calls.
     #[inline]
     #[expect(
         clippy::too_many_lines,
@@ -64,7 +64,7 @@ impl CohesiveFrictional {
         let opens = opened && w > 0.0;
         match self.coupling {
             Coupling::Max => {
-                // What has not grown has nothing to add to the damage that it did.
+                // A mode whose largest displacement has not grown cannot increase D.
                 let (q, q_slope) = if opens {
                     self.opening_curve().evaluate_with(w, &mut wholes.0)
                 } else {
@@ -92,8 +92,8 @@ impl CohesiveFrictional {
                 }
             }
             Coupling::Additive => {
-                // The two terms of the rate one after the other: exact in a pure mode, of first
-                // order in a mixed step, and explicit.
+                // The two terms of the rate are integrated one after the other. This is explicit, exact in a pure
+                // mode, and of first order in a mixed step.
                 let (opening, slip) = (self.opening_curve(), self.slip_curve());
                 let dw = w - (old.opening_max - u0).max(0.0);
                 let w_old = opening.inverse(old.damage);

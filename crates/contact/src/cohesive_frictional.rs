@@ -9,11 +9,11 @@ use crate::shifted::Shift;
 impl CohesiveFrictional {
     /// Law of a joint in a plane of symmetry, of which one half is modelled.
     ///
-    /// Half the opening lies between the middle of the joint and the modelled body. Slip is free, because the other
-    /// side slides equally: there is no friction, and slip does not damage the bond (δ_k = ∞).
+    /// The modelled half takes half of the opening, measured from the middle of the joint. Slip is free, because the
+    /// other half slides equally: there is no friction, and slip does not damage the bond (δ_k = ∞).
     ///
     /// ```text
-    /// t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = ∫ t' dw' = G/2
+    ///  t(w) of the whole = t'(w/2) of the half:  k' = 2 k,  u_k' = u_k/2;  G' = ∫ t' dw' = G/2
     /// ```
     #[must_use]
     pub fn half(&self) -> Self {
@@ -25,19 +25,20 @@ impl CohesiveFrictional {
             delta_k: f64::INFINITY,
             normal_stiffness: 2.0 * self.normal_stiffness,
             shear_stiffness: 2.0 * self.shear_stiffness,
-            // Without damage by slip both couplings give D = Q(w). The additive one would evaluate H⁻¹.
+            // Without damage by slip both coupling rules give D = Q(w), but the additive rule would evaluate H⁻¹.
             coupling: Coupling::Max,
             ..*self
         }
     }
 
-    /// Whether the law belongs to a joint cut at its middle (see [`half`](Self::half)). No deck gives an infinite δ_k.
+    /// Whether this is the law of a joint cut at its middle (see [`half`](Self::half)). No deck gives an infinite
+    /// δ_k.
     pub fn is_half(&self) -> bool {
         self.delta_k == f64::INFINITY
     }
 }
 
-/// Every method has a closed form of its own.
+/// All methods are overridden by closed forms.
 impl JointLaw for CohesiveFrictional {
     #[inline(always)]
     fn name(&self) -> &'static str {

@@ -1,30 +1,30 @@
-//! An edge against an edge of another body.
+//! Contact of an edge with an edge of another body.
 //!
-//! Points x_a + s (x_b − x_a) and y_a + t (y_b − y_a) where the two lines are nearest; the normal is
-//! common to both, n ∥ d × e, and points out of the second body. Δδ_α = t_α·(x(s₀) − y(t₀)) is the slip of
-//! the material points that met when the increment began.
+//! The contact points are x_a + s (x_b − x_a) and y_a + t (y_b − y_a), where the two lines are nearest. The normal is
+//! common to both edges, n ∥ d × e, and points out of the second body. Δδ_α = t_α·(x(s₀) − y(t₀)) is the slip between
+//! the material points that met at the start of the increment.
 
 use nalgebra::Vector3;
 
-/// Two edges as seen at one moment.
+/// Relative position of two edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// s and t where the lines are nearest; beyond 0 and 1 outside the edges [-].
+    /// Parameters s and t at which the lines are nearest; values outside [0, 1] lie beyond the ends of the edges [-].
     pub at: [f64; 2],
-    /// Unit normal d × e/|d × e|, of no particular sign.
+    /// Unit normal d × e/|d × e|; its sign is arbitrary.
     pub normal: Vector3<f64>,
     /// Sine of the angle between the edges.
     pub sine: f64,
 }
 
-/// Sine of the angle below which edges run side by side: their ends meet faces instead.
+/// Sine of the angle below which two edges count as parallel. The ends of parallel edges meet faces instead.
 pub const PARALLEL: f64 = 0.01;
 
 fn ends(edge: &[[f64; 3]; 2]) -> [Vector3<f64>; 2] {
     edge.map(Vector3::from)
 }
 
-/// Where two edges cross seen along their common normal; none if they run side by side.
+/// Crossing of two edges seen along their common normal; `None` if they are parallel.
 pub fn crossing(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> Option<Crossing> {
     let ([a0, a1], [b0, b1]) = (ends(a), ends(b));
     let (d, e) = (a1 - a0, b1 - b0);
@@ -46,7 +46,7 @@ pub fn crossing(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> Option<Crossing> {
     })
 }
 
-/// Where two edges cross seen along any direction `n`; none if they run side by side in that view.
+/// Parameters at which two edges cross when seen along the direction `n`; `None` if they appear parallel.
 pub fn crossing_along(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2], n: &Vector3<f64>) -> Option<[f64; 2]> {
     let ([a0, a1], [b0, b1]) = (ends(a), ends(b));
     let (d, e) = (a1 - a0, b1 - b0);
@@ -64,8 +64,8 @@ pub fn point_on(edge: &[[f64; 3]; 2], at: f64) -> Vector3<f64> {
     a + (b - a) * at
 }
 
-/// Whether a direction across a convex edge lies between the outward normals `[n₁, n₂]` of its two faces,
-/// to `slack` (the sine of an angle).
+/// Whether a direction normal to a convex edge lies between the outward normals `[n₁, n₂]` of the adjacent faces.
+/// `slack` is the tolerance, the sine of an angle.
 pub fn between(n: &Vector3<f64>, faces: &[Vector3<f64>; 2], slack: f64) -> bool {
     let [p, q] = faces;
     let axis = p.cross(q);
@@ -80,18 +80,19 @@ pub fn between(n: &Vector3<f64>, faces: &[Vector3<f64>; 2], slack: f64) -> bool 
 /// Kinematics of two edges in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePair {
-    /// s and t [-].
+    /// Contact parameters s and t [-].
     pub at: [f64; 2],
-    /// Gap along the normal, positive outside [mm].
+    /// Gap along the normal, positive when open [mm].
     pub gap: f64,
-    /// Slip since the increment began, or since the edges met in it [mm].
+    /// Slip since the start of the increment, or since the edges met within it [mm].
     pub slip: [f64; 2],
-    /// n out of the second body, t₁ along its edge, n × t₁.
+    /// n out of the second body, t₁ along its edge, t₂ = n × t₁.
     pub frame: [Vector3<f64>; 3],
 }
 
 impl EdgePair {
-    /// Sees two edges whose normal points to the side of `out`; `anchor` are the s and t that met.
+    /// Kinematics of two edges. The normal points to the side of `out`; `anchor` holds s and t of the material points
+    /// that met.
     pub fn new(
         a: &[[f64; 3]; 2],
         b: &[[f64; 3]; 2],

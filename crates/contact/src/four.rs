@@ -1,8 +1,9 @@
-//! The four points of a slave facet, each against its master facet, at once: what [`Kinematics`] and
-//! [`write_stiffness`](crate::write_stiffness) say of one after the other.
+//! Kinematics and stiffness of the four points of a slave facet at once, each against its own master facet. The
+//! results are those of [`Kinematics`] and [`write_stiffness`](crate::write_stiffness) point by point.
 //!
-//! A bilinear facet seen from the point is c₀ + c₁ ξ + c₂ η + c₃ ξη, and its Newton step a few products of
-//! these. All that is hard (a point far off, a collapsed or strongly warped facet) is left to [`extend`].
+//! Relative to the slave point a bilinear facet is c₀ + c₁ ξ + c₂ η + c₃ ξη, and a Newton step for the foot of the
+//! perpendicular takes a few products of these vectors. Difficult cases (a distant point, a collapsed or strongly
+//! warped facet) are left to [`extend`].
 //!
 //! [`Kinematics`]: crate::Kinematics
 //! [`extend`]: crate::extend
@@ -11,22 +12,23 @@ use pulp::Simd;
 
 use crate::lanes::{Lanes, Vectors, along, cross, dot, over};
 
-/// Newton's steps before a point is left to the plain projection. From the foot of the last iterate two do.
+/// Most Newton steps before a point is left to [`extend`](crate::extend). From the foot of the last iterate two steps
+/// suffice.
 const STEPS: usize = 6;
 
-/// Four points against a master facet each, before they are seen.
+/// Input of four points: the master facet of each.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FourPlaced {
     /// Master corners relative to `origin` [mm]. `[corner][xyz]`
     pub master: [[Lanes; 3]; 4],
-    /// Where the search for the foot begins. `[ξ η]`
+    /// Start of the Newton iteration for the foot. `[ξ η]`
     pub start: [Lanes; 2],
-    /// Anchor of slip on the same facet. `[ξ η]`
+    /// Anchor of the slip on the same facet. `[ξ η]`
     pub anchor: [Lanes; 2],
 }
 
 impl FourPlaced {
-    /// Places the master facet of point `p`.
+    /// Sets the master facet of point `p`.
     #[inline(always)]
     pub fn place(
         &mut self,
@@ -51,23 +53,23 @@ impl FourPlaced {
 /// Kinematics of four points.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FourSeen {
-    /// Points that were seen; what the others have means nothing.
+    /// Points whose foot was found; the values of the other points are meaningless.
     pub seen: [bool; 4],
     /// Normal gaps u [mm], positive when open.
     pub gap: Lanes,
-    /// Slip since the last commit Δδ [mm], in the frame.
+    /// Slip since the last accepted increment Δδ [mm], in the frame.
     pub slip: [Lanes; 2],
     /// n, t₁, t₂. `[axis][xyz]`
     pub frame: [[Lanes; 3]; 3],
-    /// Parameters of the feet.
+    /// Parameters of the feet of the perpendiculars.
     pub xi: [Lanes; 2],
     /// Weights of the relative displacements. `[slave corners, master corners]`
     pub weights: [Lanes; 8],
 }
 
 impl FourSeen {
-    /// Sees four points, with weights `slave_weights` `[corner]` of the slave corners `slave` [mm] relative to the same
-    /// origin as the master corners.
+    /// Kinematics of four points. `slave_weights` `[corner]` are the weights of the slave corners `slave` [mm], which
+    /// have the same origin as the master corners.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -76,7 +78,7 @@ impl FourSeen {
     pub fn new(slave: &[[f64; 3]; 4], slave_weights: &[Lanes; 4], placed: &FourPlaced) -> Self {
         let quarter = Lanes::splat(0.25);
         let one = Lanes::splat(1.0);
-        // The facet seen from the point.
+        // Facet coordinates relative to the point.
         let (mut c0, mut c1, mut c2, mut c3) = ([one; 3], [one; 3], [one; 3], [one; 3]);
         for i in 0..3 {
             let point = slave_weights[0] * Lanes::splat(slave[0][i])
@@ -99,7 +101,7 @@ impl FourSeen {
         let mut to_do = one;
         let mut easy = one;
         for _ in 0..STEPS {
-            // x = −r
+            // x is minus the vector r from the foot to the point.
             let [x, a1, a2] = at(&facet, s, t);
             let (g11, g22) = (dot(&a1, &a1), dot(&a2, &a2));
             let off = dot(&a1, &a2) + dot(&x, &c3);
@@ -110,11 +112,11 @@ impl FourSeen {
             let d1 = (g22 * b1 - off * b2) * inverse;
             let d2 = (g11 * b2 - off * b1) * inverse;
             let size = d1.abs().max(d2.abs());
-            // What is no number is not easy.
+            // A comparison with NaN gives 0, so that a point with NaN is not marked as easy.
             easy = easy * (Lanes::splat(1e-10) * whole).less(det) * size.less(one);
             s = s + d1;
             t = t + d2;
-            // Newton leaves the square of its last step.
+            // Newton's method converges quadratically: the error after the step is the square of its size.
             to_do = to_do * Lanes::splat(1e-9).less(size) * easy;
             if to_do.0 == [0.0; 4] {
                 break;
@@ -165,14 +167,14 @@ impl FourSeen {
     }
 }
 
-/// Place on a facet [c₀ c₁ c₂ c₃] and the derivatives a₁, a₂ there.
+/// Point of the facet [c₀ c₁ c₂ c₃] and the derivatives a₁, a₂ there.
 #[inline(always)]
 fn at([c0, c1, c2, c3]: &[Vectors; 4], s: Lanes, t: Lanes) -> [Vectors; 3] {
     let (a1, a2) = (along(c1, c3, t), along(c2, c3, s));
     [along(&along(c0, &a1, s), c2, t), a1, a2]
 }
 
-/// Stiffness of one point to be summed into a cell.
+/// Stiffness of one point, to be summed into an element matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Symmetric {
     /// Weights of the relative displacement. `[slave corners, master corners]`
@@ -182,7 +184,8 @@ pub struct Symmetric {
 }
 
 impl Symmetric {
-    /// Of normal stiffness and the unique ones of shear `[n, 11, 12, 22]` [N/mm³] in a frame n, t₁, t₂; area in mm².
+    /// From the normal stiffness and the shear stiffnesses `[n, 11, 12, 22]` [N/mm³] in the frame n, t₁, t₂; area in
+    /// mm².
     #[inline(always)]
     pub fn new(weights: [f64; 8], frame: &[[f64; 3]; 3], tangent: [f64; 4], area: f64) -> Self {
         let [n, t1, t2] = frame;
@@ -205,8 +208,8 @@ impl Symmetric {
     }
 }
 
-/// Writes the sum of symmetric stiffnesses `[a][b][i][j]` [N/mm] over all of a cell of 24 × 24: each block is summed
-/// once and written on both sides of the diagonal.
+/// Writes the sum of symmetric stiffnesses `[a][b][i][j]` [N/mm] into a 24 × 24 matrix. Each block is summed once and
+/// written on both sides of the diagonal.
 #[inline(always)]
 pub fn write_symmetric<S: Simd>(simd: S, points: &[Symmetric], cell: &mut [f64]) {
     match points {
@@ -218,7 +221,7 @@ pub fn write_symmetric<S: Simd>(simd: S, points: &[Symmetric], cell: &mut [f64])
     }
 }
 
-/// Entries of a block, up to a whole number of wide registers.
+/// Entries of a block, padded to a multiple of the SIMD width.
 const WIDE: usize = 12;
 
 #[inline(always)]

@@ -1,11 +1,11 @@
-//! Shear limit and return of the slip (theory/joint.md, eqs 15 to 18).
+//! Shear strength and return of the slip (theory/joint.md, eqs 15 to 18).
 
 use nalgebra::Vector2;
 
 use crate::cohesive::{Normal, Wholes};
 use crate::law::{CohesiveFrictional, InterfaceHistory};
 
-/// The limit g(σ, D) of the shear traction with its slopes.
+/// Limit g(σ, D) of the shear traction with its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limit {
     /// g [MPa].
@@ -30,7 +30,7 @@ impl CohesiveFrictional {
         }
     }
 
-    /// Shear traction over its limit; infinite where nothing presses.
+    /// Shear traction divided by its limit [-]; infinite without pressure.
     #[inline(always)]
     pub fn utilisation(&self, traction: &[f64; 3], damage: f64) -> f64 {
         if traction[0] < 0.0 {
@@ -41,8 +41,8 @@ impl CohesiveFrictional {
         }
     }
 
-    /// Shear traction over its limit, or tension over what the bond carries, whichever is more; infinite where there is
-    /// tension and no bond.
+    /// The larger of shear traction over its limit and tension over tensile strength [-]; infinite under tension
+    /// without bond.
     #[inline(always)]
     pub fn exertion(&self, traction: &[f64; 3], damage: f64) -> f64 {
         let [sigma, t1, t2] = *traction;
@@ -58,7 +58,8 @@ impl CohesiveFrictional {
         }
     }
 
-    /// φ(Δγ) = |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], safeguarded Newton.
+    /// Slip increment Δγ from |τ_tr| − k_s Δγ − g(σ(D), D) = 0 on [0, |τ_tr|/k_s], by Newton's method with bisection
+    /// as safeguard.
     #[expect(
         clippy::too_many_arguments,
         reason = "a scalar equation of its own coefficients, solved in the hot loop"
@@ -75,7 +76,7 @@ impl CohesiveFrictional {
     ) -> f64 {
         let k_s = self.shear_stiffness;
         let (mut low, mut high) = (0.0, size / k_s);
-        // The limit without further damage is the first guess: exact for perfect friction.
+        // The first guess is the limit without further damage, which is exact for perfect friction.
         let mut dg = {
             let damage = self.damage(opening_max, old.slip_max, old, wholes).value;
             let limit = self.limit(normal_at(damage).traction, damage);
@@ -101,7 +102,7 @@ impl CohesiveFrictional {
             };
             let slope = -k_s - (limit.by_traction * normal.by_damage + limit.by_damage) * d_s;
             let step = -phi / slope;
-            // Rounding of |τ_tr| − k_s Δγ is all that is left.
+            // Stop at the rounding of |τ_tr| − k_s Δγ.
             if phi.abs() <= 4.0 * f64::EPSILON * size || high - low <= f64::EPSILON * high {
                 break;
             }

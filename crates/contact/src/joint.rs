@@ -1,20 +1,20 @@
-//! The contract of a joint law: what a law must answer, and what the solver derives from that.
+//! The interface of a joint law and the defaults that the solver derives from it.
 //!
-//! A law needs four methods: [`name`](JointLaw::name), [`stiffness`](JointLaw::stiffness),
-//! [`update`](JointLaw::update) and, if it has history that results should show,
-//! [`outputs`](JointLaw::outputs). All others have defaults that follow from these four. A law overrides
-//! them where it can do better.
+//! A law must implement [`name`](JointLaw::name), [`stiffness`](JointLaw::stiffness) and
+//! [`update`](JointLaw::update). If its history contains quantities for the results, it also implements
+//! [`outputs`](JointLaw::outputs). All other methods have defaults. A law overrides them where it has a better form.
 //!
-//! The solver iterates with a numerical stiffness k' < k. The default of
-//! [`update_shifted`](JointLaw::update_shifted) puts the law in series with an offset spring,
+//! The solver iterates with a numerical stiffness k' < k. The default of [`update_shifted`](JointLaw::update_shifted)
+//! connects the law in series with an offset spring,
 //!
 //! ```text
 //! t = T(g'),   g' + C (t − t₋) = g,   C = 1/k' − 1/k (normal, shear, shear)                        (1)
 //! ```
 //!
-//! with t₋ the traction of the last iterate. The fixed point t = t₋ is t = T(g). Equation (1) is solved by
-//! Newton's method, and by elastic steps between branches of the law. The stiffness of the iterate is (K⁻¹ + C)⁻¹ with
-//! K the tangent of the law. Its symmetric blocks (normal, shear), with eigenvalues from 0 to k', enter the matrix.
+//! where t₋ is the traction of the last iterate. The fixed point t = t₋ is t = T(g). Equation (1) is solved by
+//! Newton's method, and by elastic steps between branches of the law. The stiffness of the iterate is (K⁻¹ + C)⁻¹,
+//! where K is the tangent of the law. Only its symmetric blocks (normal, shear), with eigenvalues between 0 and k',
+//! enter the matrix.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -24,53 +24,54 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use crate::law::{InterfaceHistory, InterfaceResponse};
 use crate::shifted::Shift;
 
-/// A quantity of a law's history that becomes a field of the results, by its name.
+/// A history variable that is written to the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// Name of the field, in lower case with underscores.
+    /// Name of the field in lower case with underscores.
     pub name: &'static str,
-    /// Unit, such as `mm` or `MPa`; `1` if there is none.
+    /// Unit, such as `mm` or `MPa`; `1` if dimensionless.
     pub unit: &'static str,
-    /// Place in [`InterfaceHistory::slots`], below [`SLOTS`](crate::SLOTS).
+    /// Index in [`InterfaceHistory::slots`], below [`SLOTS`](crate::SLOTS).
     pub slot: usize,
 }
 
 impl Output {
-    /// A quantity by name and unit at this place of the slots.
+    /// An output with its name, unit and slot index.
     pub const fn new(name: &'static str, unit: &'static str, slot: usize) -> Self {
         Self { name, unit, slot }
     }
 
-    /// Its value in a history.
+    /// Value of this output in a history.
     pub fn of(&self, history: &InterfaceHistory) -> f64 {
         history.slots.get(self.slot).copied().unwrap_or(f64::NAN)
     }
 }
 
-/// Steps of Newton's method for equation (1).
+/// Largest number of Newton steps for equation (1).
 const STEPS: usize = 300;
-/// Residual of equation (1) that ends them, over the size of the tractions: rounding of k'/k.
+/// Tolerance of equation (1), relative to the tractions: rounding of k'/k.
 const CLOSE: f64 = 1e-12;
-/// Lengths of a step that are tried, each half of the one before, until the residual falls.
+/// Largest number of halvings in the line search for equation (1).
 const HALVINGS: usize = 6;
 
-/// The law of a joint: traction of opening and slip.
+/// A joint law: traction as a function of opening and slip.
 ///
 /// Components are `[normal, tangent 1, tangent 2]`; opening and tension are positive. Lengths are in mm, tractions in
 /// MPa, stiffnesses in N/mm³, energies per area in N/mm. A law must not depend on the directions of the tangents
-/// (`checks::objectivity`), and its `Debug` text must name all parameters: a run that is resumed compares it.
+/// (`checks::objectivity`). Its `Debug` text must contain all parameters, because a resumed run compares it.
 pub trait JointLaw: Send + Sync + Debug {
-    /// The name of the law, as `kind` of a deck or in messages.
+    /// Name of the law, as used for `kind` in a deck and in messages.
     fn name(&self) -> &'static str;
 
     /// Elastic stiffness, normal and shear `[k_n, k_s]` [N/mm³].
     fn stiffness(&self) -> [f64; 2];
 
-    /// One implicit step: traction, consistent tangent and new history at the total gap
-    /// `[u, δ₁, δ₂]` [mm] from the history at the start of the step.
+    /// One implicit step: traction, consistent tangent and new history at the total gap `[u, δ₁, δ₂]` [mm], from the
+    /// history at the start of the step.
     ///
-    /// [`InterfaceResponse::new`] fills what the solver reads of a history beside the slots of the law. A law
-    /// without an answer returns a traction that is not finite; a run ends with an error that names the law.
+    /// [`InterfaceResponse::new`] fills the parts of the history that the solver reads besides the slots of the law.
+    /// A law that has no solution returns a traction that is not finite; the run then ends with an error that names
+    /// the law.
     fn update(&self, gap: [f64; 3], old: &InterfaceHistory) -> InterfaceResponse;
 
     /// Quantities of the history that become fields of the results. Default: none.
@@ -78,7 +79,7 @@ pub trait JointLaw: Send + Sync + Debug {
         &[]
     }
 
-    /// History of a point that nothing has happened to. Default: all zero, but damage 1 where the joint
+    /// Initial history of a point. Default: all zero, but damage 1 where the joint
     /// [is dry](JointLaw::is_dry): it has no bond to lose. Override it if slots begin at other numbers than 0.
     fn virgin(&self) -> InterfaceHistory {
         InterfaceHistory {
@@ -87,7 +88,8 @@ pub trait JointLaw: Send + Sync + Debug {
         }
     }
 
-    /// History of a point that has lost the face opposite: without traction, stuck where it is, without bond.
+    /// History of a point that has lost contact with the opposite face: no traction, no bond, slip equal to its
+    /// plastic slip.
     fn lost(&self, old: &InterfaceHistory) -> InterfaceHistory {
         InterfaceHistory {
             slip: old.plastic_slip,
@@ -104,12 +106,12 @@ pub trait JointLaw: Send + Sync + Debug {
         false
     }
 
-    /// Opening from which on a point counts as open [mm]. Default: 0.
+    /// Opening beyond which a point counts as open [mm]. Default: 0.
     fn opens_at(&self) -> f64 {
         0.0
     }
 
-    /// Opening up to which a bond may carry [mm]: points are searched twice as far. Default: 0.
+    /// Opening up to which a bond may carry traction [mm]; the search radius is twice as large. Default: 0.
     fn ultimate_opening(&self) -> f64 {
         0.0
     }
@@ -131,20 +133,20 @@ pub trait JointLaw: Send + Sync + Debug {
         0.0
     }
 
-    /// Shear traction over its limit [-]; infinite without pressure, or where the law does not say. Points well below 1
-    /// are iterated with a larger numerical stiffness. Default: infinite.
+    /// Shear traction divided by its limit [-]; infinite without pressure or if the law does not define it. Points
+    /// well below 1 are iterated with a larger numerical stiffness. Default: infinite.
     fn utilisation(&self, _traction: &[f64; 3], _history: &InterfaceHistory) -> f64 {
         f64::INFINITY
     }
 
-    /// The larger of shear over its limit and tension over its strength [-]; infinite where the law does not say.
-    /// Default: infinite.
+    /// The larger of shear traction over its limit and tension over tensile strength [-]; infinite if the law does
+    /// not define it. Default: infinite.
     fn exertion(&self, _traction: &[f64; 3], _history: &InterfaceHistory) -> f64 {
         f64::INFINITY
     }
 
-    /// A guessed traction [MPa] brought within the bounds of a point's history. Default: the answer of the law to the
-    /// gap that would give this traction elastically.
+    /// A predicted traction [MPa], limited to the admissible values for the history `old`. Default: response of the
+    /// law to the gap that gives this traction elastically.
     fn within_bounds(&self, guess: [f64; 3], old: &InterfaceHistory) -> [f64; 3] {
         let [normal, shear] = self.stiffness();
         let before = [old.opening, old.slip[0], old.slip[1]];
@@ -153,14 +155,14 @@ pub trait JointLaw: Send + Sync + Debug {
         self.update(at, old).traction
     }
 
-    /// Steepest softening in opening and in slip [N/mm³]: the numerical stiffness stays above four times that, so
-    /// that an iterate does not snap back. Default: 0, no softening.
+    /// Steepest softening slopes in opening and in slip [N/mm³]. The numerical stiffness stays above four times this
+    /// slope, so that an iterate does not snap back. Default: 0, no softening.
     fn softening_slopes(&self) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// The law of the half of a joint that lies in a plane of symmetry: t of half the opening is t of the whole, and
-    /// slip meets nothing. Default: none, and no plane of symmetry may cut such a joint.
+    /// Law of one half of a joint in a plane of symmetry: half the opening gives the traction of the whole joint, and
+    /// slip is free. Default: `None`; a plane of symmetry must then not cut the joint.
     fn halved(&self) -> Option<Arc<dyn JointLaw>> {
         None
     }
@@ -181,7 +183,7 @@ pub trait JointLaw: Send + Sync + Debug {
     }
 }
 
-/// Solves equation (1) for a law `update` with elastic stiffness `[k_n, k_s]`.
+/// Solves equation (1) for a law `update` with the elastic stiffness `[k_n, k_s]`.
 fn in_series(
     update: impl Fn([f64; 3]) -> InterfaceResponse,
     stiffness: [f64; 2],
@@ -197,7 +199,7 @@ fn in_series(
     let compliance = Matrix3::from_diagonal(&Vector3::from(c));
     let last = Vector3::from(shift.traction);
     let goal = Vector3::from(gap);
-    // In tractions of the numerical stiffness.
+    // Residuals are measured as tractions with the numerical stiffness.
     let weight = Vector3::new(1.0 / normal, 1.0 / shear, 1.0 / shear);
     let residual =
         |x: &Vector3<f64>, t: [f64; 3]| x + compliance * (Vector3::from(t) - last) - goal;
@@ -232,7 +234,7 @@ fn in_series(
                 part *= 0.5;
             }
         }
-        // Between two branches: a step with the elastic stiffness comes nearer by k'/k.
+        // Between two branches an elastic step reduces the residual at least by the factor 1 − k'/k.
         (x, response, rest) = next.unwrap_or_else(|| {
             let at = x - rest.component_mul(&elastic);
             let answer = update(at.into());

@@ -1,19 +1,19 @@
-//! Four numbers side by side: one of each of a facet's four points.
+//! Four numbers side by side, one for each of a facet's four points.
 //!
-//! Plain arrays and loops over them, which the compiler lays into one wide register where the caller was
-//! compiled for one. No product and sum is contracted: every bit is that of the same scalar operations.
+//! These are plain arrays with loops over them. The compiler puts them into one wide register if the caller was
+//! compiled for one. Products and sums are not fused, so that every bit equals that of the scalar operations.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// One number of each of four points.
+/// One number for each of four points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(pub [f64; 4]);
 
-/// One vector of each of four points. `[xyz]`
+/// One vector for each of four points. `[xyz]`
 pub(crate) type Vectors = [Lanes; 3];
 
 impl Lanes {
-    /// The same number four times.
+    /// The same number in all four lanes.
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
         Self([value; 4])
@@ -37,31 +37,31 @@ impl Lanes {
         Self(result)
     }
 
-    /// Quotients.
+    /// Element-wise quotient.
     #[inline(always)]
     pub(crate) fn over(self, other: Self) -> Self {
         self.zip(other, |a, b| a / b)
     }
 
-    /// Square roots.
+    /// Element-wise square root.
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
 
-    /// Magnitudes.
+    /// Element-wise absolute value.
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         self.map(f64::abs)
     }
 
-    /// The larger ones.
+    /// Element-wise maximum.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
-    /// 1 where this is less than the other, else 0; 0 where one is no number.
+    /// 1 where this is less than `other`, else 0. A comparison with NaN gives 0.
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { 1.0 } else { 0.0 })

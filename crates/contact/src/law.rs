@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::cohesive::Wholes;
 use crate::softening::Softening;
 
-/// How opening and slip damage the same bond (theory/joint.md, eqs 12 and 13).
+/// Coupling of the damage by opening and by slip (theory/joint.md, eqs 12 and 13).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coupling {
@@ -17,10 +17,10 @@ pub enum Coupling {
     Additive,
 }
 
-/// Numbers of a history that a law has for itself.
+/// Number of additional history variables that a law may use.
 pub const SLOTS: usize = 4;
 
-/// Parameters of the cohesive-frictional law, stiffnesses resolved.
+/// Parameters of the cohesive-frictional law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CohesiveFrictional {
     /// Tensile strength f_t [MPa].
@@ -47,14 +47,14 @@ pub struct CohesiveFrictional {
     pub coupling: Coupling,
 }
 
-/// History of one interface point. Slips are components in the point's tangent frame.
+/// History of one interface point. Slips are components in the tangential frame of the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceHistory {
     /// Opening u at the end of the step [mm].
     pub opening: f64,
-    /// Largest opening ever u_max [mm].
+    /// Largest opening so far u_max [mm].
     pub opening_max: f64,
-    /// Largest plastic slip ever s_max [mm].
+    /// Largest plastic slip so far s_max [mm].
     pub slip_max: f64,
     /// Total slip δ [mm].
     pub slip: [f64; 2],
@@ -64,23 +64,24 @@ pub struct InterfaceHistory {
     pub damage: f64,
     /// Traction [σ, τ₁, τ₂] at the end of the step [MPa].
     pub traction: [f64; 3],
-    /// Further numbers of a law, see [`Output`](crate::Output). Scalars: they do not turn with the frame.
+    /// Additional variables of a law, see [`Output`](crate::Output). They are scalars and do not rotate with the
+    /// frame.
     pub slots: [f64; SLOTS],
 }
 
-/// What an interface point does.
+/// Contact status of an interface point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PointStatus {
-    /// Touching or bonded, not sliding.
+    /// In contact or bonded, without sliding.
     #[default]
     Stick,
     /// Sliding in this step.
     Slip,
-    /// Open: beyond the elastic opening, with or without remaining cohesion.
+    /// Open beyond the elastic opening, with or without remaining cohesion.
     Open,
 }
 
-/// Answer of the law to one gap.
+/// Response of a law to one gap.
 #[derive(Clone, Copy, Debug)]
 pub struct InterfaceResponse {
     /// [σ, τ₁, τ₂] [MPa].
@@ -89,23 +90,22 @@ pub struct InterfaceResponse {
     pub tangent: Matrix3<f64>,
     /// History at the end of the step.
     pub history: InterfaceHistory,
-    /// What the point does.
+    /// Contact status.
     pub status: PointStatus,
     /// Free energy ψ at the end of the step (theory/joint.md, eq. 20) [N/mm].
     pub elastic_energy: f64,
-    /// Dissipation of the step [N/mm], by the trapezoidal rule: ½ u_n u_{n+1} (k_n − k_{n+1}) of
-    /// the secant stiffness and ½ (τ_n + τ_{n+1})·Δδ_p of the slip, so that it closes the balance
-    /// with work taken by the same rule.
+    /// Dissipation of the step [N/mm] by the trapezoidal rule: ½ u_n u_{n+1} (k_n − k_{n+1}) with the secant
+    /// stiffnesses, plus ½ (τ_n + τ_{n+1})·Δδ_p. With work from the same rule the energy balance closes.
     pub dissipation: f64,
 }
 
 impl InterfaceResponse {
-    /// The answer of a law with one elastic stiffness: traction [MPa], tangent [N/mm³] at the total `gap` [mm], reached
-    /// with the plastic parts `plastic` `[u_p, δ_p1, δ_p2]` [mm] where they were `plastic_old`, damage of the bond and
-    /// the law's own `slots`. Slip and largest slip and opening, energies and status follow, for a law whose points
-    /// count as open beyond `opens_at` [mm] and whose elastic stiffness is `[k_n, k_s]` [N/mm³].
+    /// Response of a law with one elastic stiffness `[k_n, k_s]` [N/mm³]: traction [MPa] and tangent [N/mm³] at the
+    /// total `gap` [mm]. `plastic_old` and `plastic` are the plastic parts `[u_p, δ_p1, δ_p2]` [mm] before and after
+    /// the step, `damage` is that of the bond, and `slots` are the law's own variables. Slip, largest opening and
+    /// slip, energies and status follow. Points count as open beyond `opens_at` [mm].
     ///
-    /// The dissipation is that of the trapezoidal rule, ½ (t_n + t_{n+1})·Δp: with it the balance of energy closes.
+    /// The dissipation is that of the trapezoidal rule, ½ (t_n + t_{n+1})·Δp, so that the energy balance closes.
     #[expect(
         clippy::too_many_arguments,
         reason = "each argument is another input of the record that a law returns"
@@ -158,7 +158,7 @@ impl InterfaceResponse {
 }
 
 impl CohesiveFrictional {
-    /// A dry joint: friction only, D = 1 from the start (theory/joint.md, eq. 19).
+    /// A dry joint: friction only, D = 1 from the beginning (theory/joint.md, eq. 19).
     pub fn dry(mu: f64, normal_stiffness: f64, shear_stiffness: f64) -> Self {
         Self {
             f_t: 0.0,
@@ -180,7 +180,7 @@ impl CohesiveFrictional {
         self.f_t == 0.0 && self.c == 0.0
     }
 
-    /// History of a point that nothing has happened to.
+    /// Initial history of a point.
     pub fn virgin(&self) -> InterfaceHistory {
         let damage = if self.is_dry() { 1.0 } else { 0.0 };
         InterfaceHistory {
@@ -189,12 +189,12 @@ impl CohesiveFrictional {
         }
     }
 
-    /// Opening from which on a point counts as open, f_t/k_n [mm].
+    /// Opening beyond which a point counts as open, f_t/k_n [mm].
     pub fn opens_at(&self) -> f64 {
         self.elastic_opening()
     }
 
-    /// Q(w) over the opening after onset.
+    /// Softening curve Q(w) as a function of the opening after onset.
     pub fn opening_curve(&self) -> Softening {
         Softening {
             ultimate: self.u_k,
@@ -202,7 +202,7 @@ impl CohesiveFrictional {
         }
     }
 
-    /// H(s) over the plastic slip.
+    /// Softening curve H(s) as a function of the plastic slip.
     pub fn slip_curve(&self) -> Softening {
         Softening {
             ultimate: self.delta_k,
@@ -255,7 +255,7 @@ impl CohesiveFrictional {
             slots: old.slots,
         };
         if size <= limit.value || size == 0.0 {
-            // Stick: σ may still follow D(u).
+            // Stick: σ may still depend on u through D(u).
             let mut tangent = Matrix3::from_diagonal(&[0.0, k_s, k_s].into());
             tangent[(0, 0)] = normal.by_gap + normal.by_damage * damage.by_opening;
             return self.respond(normal.traction, trial, tangent, history, old, false);
@@ -296,7 +296,7 @@ impl CohesiveFrictional {
                 tangent[(1 + i, 1 + j)] = dtau_dslip[(i, j)];
             }
         }
-        // |τ| = g: |τ_tr| − k_s Δγ is the same but for the rounding of a long slip.
+        // On the surface |τ| = g. |τ_tr| − k_s Δγ differs only by rounding, which grows with the slip.
         let shear = limit.value * n;
         self.respond(normal.traction, shear, tangent, history, old, true)
     }
@@ -313,9 +313,8 @@ impl CohesiveFrictional {
         normal + 0.5 * (tau_1 * tau_1 + tau_2 * tau_2) / self.shear_stiffness
     }
 
-    /// What the trapezoidal rule makes of the work of a point that opens or closes between two commits,
-    /// beside the energies of its branches: ½ u₀ u₁ (k₀ − k₁) with the stiffness of each [N/mm]. It is no
-    /// dissipation: what closing takes, opening gives back.
+    /// Spurious work of the trapezoidal rule for a point that opens or closes within an increment: ½ u₀ u₁ (k₀ − k₁)
+    /// with the stiffness of each branch [N/mm]. It is not dissipation: closing and opening cancel.
     pub fn crossing_work(&self, old: &InterfaceHistory, new: &InterfaceHistory) -> f64 {
         if old.opening * new.opening >= 0.0 {
             return 0.0;
@@ -330,7 +329,7 @@ impl CohesiveFrictional {
         0.5 * old.opening * new.opening * (branch(old) - branch(new))
     }
 
-    /// Completes a response: status and energies.
+    /// Adds status and energies to a response.
     #[inline(always)]
     #[expect(
         clippy::too_many_arguments,

@@ -1,7 +1,7 @@
-//! Contact between faceted surfaces: broad phase, projection, and the laws of joints.
+//! Contact between faceted surfaces: broad-phase search, projection, and the constitutive laws of joints.
 //!
-//! A leaf: it receives positions, facets and history records and returns the force and stiffness
-//! of one point against one facet. It knows no mesh, no step and no solver.
+//! This is a leaf crate. It receives positions, facets and history records, and returns the force and the stiffness
+//! of one point against one facet. It does not know meshes, load steps or solvers.
 #![forbid(unsafe_code)]
 
 pub mod aabb;

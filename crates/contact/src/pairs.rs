@@ -1,4 +1,4 @@
-//! Which point faces which facet.
+//! Pairs of slave points and master facets.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -8,37 +8,37 @@ use crate::bvh::Bvh;
 use crate::projection::{Projection, extend, project};
 use crate::surface::{Surface, frame_at};
 
-/// The facet that a contact point faces, and the foot of its perpendicular at the last commit.
+/// The facet that a contact point faces, and the foot of the perpendicular at the last accepted increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PointPair {
-    /// Master facet, none without contact.
+    /// Master facet; `None` without contact.
     pub facet: Option<u32>,
-    /// Parameters of the foot at the last commit: the anchor of slip.
+    /// Parameters of the foot at the last accepted increment, the anchor of the slip.
     pub xi: [f64; 2],
 }
 
-/// Facets face each other if their normals are at least this much opposed (cosine).
+/// Two facets face each other if the cosine between their normals is below this value.
 const FACING: f64 = -0.2;
-/// A point stays on its facet until it is this far beyond the edge (of the half facet), so that
-/// two facets that share an edge do not pass it to and fro.
+/// A point leaves its facet only at this distance beyond the edge (relative to half the facet), so that it does not
+/// alternate between two facets that share an edge.
 pub const STAY: f64 = 1e-3;
-/// A point changes to a facet that it is on, or beyond by no more than rounding; to one that it is
-/// beyond by less than [`STAY`] or [`RIM`] only if there is no other.
+/// A point changes to a facet if it projects onto it within this tolerance (rounding). A facet beyond whose edge it
+/// lies by up to [`STAY`] or [`RIM`] is taken only if there is no other.
 const ENTER: f64 = 1e-9;
-/// A point over the rim of a surface stays on it until it is this far beyond (of the half facet): faces
-/// that lie flush bulge and slide by some hundredths of a facet within an increment.
+/// A point stays on the rim of a surface up to this distance beyond it (relative to half the facet). Flush faces
+/// bulge and slide by some hundredths of a facet within an increment.
 pub const RIM: f64 = 0.1;
 
-/// For each slave facet the master facets that its points may come to face while surfaces move
-/// less than the skin.
+/// For each slave facet the master facets that its points may meet while the surfaces move less than the search
+/// margin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Candidates {
     start: Vec<u32>,
     facets: Vec<u32>,
 }
 
-/// The search for candidates: a hierarchy over the master facets that is built once and refitted
-/// as they move, with its scratch.
+/// Search for candidates. The hierarchy over the master facets is built once and refitted as they move. Scratch
+/// memory is reused.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     bvh: Bvh,
@@ -51,10 +51,10 @@ pub struct Search {
 }
 
 impl Search {
-    /// All pairs of facets of different bodies that face each other, where the box of a slave
-    /// facet's points `[facet]` comes within `radius` of the master facet's box [mm].
+    /// All pairs of facets of different bodies that face each other, for which the box of the slave facet's points
+    /// `[facet]` lies within `radius` [mm] of the master facet's box.
     ///
-    /// The answer depends on the positions only, not on what was searched before.
+    /// The result depends only on the positions, not on earlier searches.
     pub fn candidates(
         &mut self,
         slave: &Surface,
@@ -104,7 +104,7 @@ impl Search {
 }
 
 impl Candidates {
-    /// [`Search::candidates`] once, from nothing.
+    /// [`Search::candidates`] for a single search.
     pub fn find(
         slave: &Surface,
         points: &[Aabb],
@@ -115,13 +115,13 @@ impl Candidates {
         Search::default().candidates(slave, points, master, x, radius)
     }
 
-    /// Candidates of a slave facet, ascending.
+    /// Candidates of a slave facet in ascending order.
     #[inline]
     pub fn of(&self, slave: usize) -> &[u32] {
         &self.facets[self.range(slave)]
     }
 
-    /// Where the candidates of a slave facet lie in the list of all.
+    /// Index range of a slave facet's candidates in the list of all candidates.
     #[inline]
     pub fn range(&self, slave: usize) -> std::ops::Range<usize> {
         self.start[slave] as usize..self.start[slave + 1] as usize
@@ -132,16 +132,16 @@ impl Candidates {
         self.facets.len()
     }
 
-    /// True without any pair.
+    /// True if there are no pairs.
     pub fn is_empty(&self) -> bool {
         self.facets.is_empty()
     }
 }
 
-/// The facet that a point faces now: its present one while it stays on it, else the nearest
-/// candidate that it is over, else the nearest whose edge it is beyond by no more than a thousandth of its half size, or
-/// `rim` of it if it faced a facet before, ties to the lowest number; none if it is over no facet, or farther than
-/// `radius` [mm] from all.
+/// The facet that a point faces. The point keeps its present facet while it stays on it. Otherwise it takes the
+/// nearest candidate onto which it projects. Otherwise it takes the nearest candidate beyond whose edge it lies by no
+/// more than [`STAY`] of the half facet, or by `rim` if it faced a facet before. Ties go to the lowest number. `None`
+/// without such a facet within `radius` [mm].
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
@@ -178,8 +178,8 @@ pub fn pair_point(
     best.map(|(_, _, facet, xi)| (facet, xi))
 }
 
-/// The nearest place on the rim of a surface to a point that is over it, with its facet. None if a candidate lies under the
-/// point, or if the point is farther than `radius` [mm] from the planes of all candidates.
+/// The nearest point on the rim of a surface for a point beyond it, with the facet. `None` if the point projects onto
+/// a candidate, or is farther than `radius` [mm] from the planes of all candidates.
 pub fn rim_point(
     point: &Vector3<f64>,
     candidates: &[u32],
@@ -212,9 +212,9 @@ fn within(xi: [f64; 2], beyond: f64) -> bool {
     xi[0].abs() <= 1.0 + beyond && xi[1].abs() <= 1.0 + beyond
 }
 
-/// Components of a tangential vector in another frame (theory/contact.md, eq. 8: histories travel with the frame):
-/// the vector is turned with the normal, by the smallest rotation that takes one into the other, so
-/// that its length stays and differences of vectors (elastic slip) travel as the vectors do.
+/// Components of a tangential vector in another frame (theory/contact.md, eq. 8). The vector is rotated by the
+/// smallest rotation that takes one normal into the other. This preserves its length, and differences of vectors
+/// (elastic slip) transform in the same way.
 pub fn to_frame(v: [f64; 2], from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -> [f64; 2] {
     let vector = from[1] * v[0] + from[2] * v[1];
     // Rodrigues: v + w × v + w × (w × v)/(1 + cos), w = n × n'.
@@ -223,7 +223,7 @@ pub fn to_frame(v: [f64; 2], from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3]) -
         let once = w.cross(&vector);
         vector + once + w.cross(&once) / (1.0 + cos)
     } else {
-        // Turned over: no shortest way, take the half turn about t₁.
+        // Opposite normals: the smallest rotation is not unique. Rotate by π about t₁.
         from[1] * v[0] - from[2] * v[1]
     };
     [to[1].dot(&turned), to[2].dot(&turned)]

@@ -1,24 +1,24 @@
-//! Parts of a facet that are sampled by themselves, where four points are too few for it.
+//! Parts of a facet with sampling points of their own, where four points per facet are too few.
 
 use crate::surface::weights_at;
 
-/// A rectangle in a facet's parameters ξ, η ∈ [−1, 1]: what four sampling points stand for.
+/// A rectangle in a facet's parameters ξ, η ∈ [−1, 1] that is sampled by four points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its middle (ξ, η).
+    /// Centre (ξ, η).
     pub middle: [f64; 2],
-    /// Half of its size along ξ and η.
+    /// Half of the side lengths along ξ and η.
     pub half: [f64; 2],
 }
 
 impl Part {
-    /// All of a facet.
+    /// The whole facet.
     pub const WHOLE: Self = Self {
         middle: [0.0; 2],
         half: [1.0; 2],
     };
 
-    /// The parts of a facet that is cut into so many along ξ and η, row by row.
+    /// The parts of a facet that is divided into `along_xi` × `along_eta` rectangles, row by row.
     pub fn grid([along_xi, along_eta]: [u32; 2]) -> impl Iterator<Item = Self> {
         let half = [along_xi, along_eta].map(|count| 1.0 / f64::from(count));
         (0..along_eta).flat_map(move |j| {
@@ -32,17 +32,17 @@ impl Part {
         })
     }
 
-    /// Parameters of the facet at those of the part.
+    /// Facet parameters of a point given in parameters of the part.
     pub fn at(&self, xi: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|d| self.middle[d] + self.half[d] * xi[d])
     }
 
-    /// Weights of the facet's corners at the corners of the part. `[corner of the part][corner of the facet]`
+    /// Weights of the facet's corners at the corners of the part. `[part corner][facet corner]`
     pub fn corners(&self) -> [[f64; 4]; 4] {
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|xi| weights_at(self.at(xi)))
     }
 
-    /// What has these values at the corners of the facet, at those of the part.
+    /// Interpolates values at the facet's corners to the corners of the part.
     pub fn of(&self, values: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
         if *self == Self::WHOLE {
             return *values;
@@ -51,7 +51,7 @@ impl Part {
             .map(|weights| [0, 1, 2].map(|i| (0..4).map(|a| weights[a] * values[a][i]).sum()))
     }
 
-    /// Whether its corner of this number is one of the facet.
+    /// Whether the corner `corner` of the part is also a corner of the facet.
     pub fn reaches(&self, corner: usize) -> bool {
         self.corners()[corner][corner] > 1.0 - 1e-9
     }
@@ -71,7 +71,7 @@ mod tests {
         ];
         let parts: Vec<Part> = Part::grid([3, 2]).collect();
         assert_eq!(parts.len(), 6);
-        // The second of the lower row, the last of the upper one.
+        // The second part of the lower row and the last part of the upper row.
         let close = |found: [[f64; 3]; 4], low: [f64; 2], high: [f64; 2]| {
             let exact = [
                 [low[0], low[1]],

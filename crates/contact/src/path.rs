@@ -1,30 +1,30 @@
-//! Where on its way a point has come upon a facet, or an edge upon another.
+//! Entry of a point through a facet, or of one edge past another, during an increment.
 //!
-//! Seen from the facet the way of an increment is taken as a straight line in (ξ, η, gap), which is exact
-//! where both bodies move without turning relative to each other. The point is in contact if it came
-//! through the face from outside; what comes from the side, or from behind, meets another face.
+//! The path of an increment, seen from the facet, is taken as a straight line in (ξ, η, gap). This is exact if the
+//! two bodies do not rotate relative to each other. The point is in contact if it entered through the face from
+//! outside. A point that arrives from the side or from behind meets another face.
 
-/// A place in the parameters of a facet or of two edges, and the gap there [mm].
+/// A position in the parameters of a facet or of two edges, with the gap [mm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Parameters [-].
     pub at: [f64; 2],
-    /// Gap, positive outside [mm].
+    /// Gap, positive when open [mm].
     pub gap: f64,
 }
 
-/// How a point came into contact.
+/// Entry of a point into contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Part of the way at which it did, 0 to 1.
+    /// Fraction of the path at entry, 0 to 1.
     pub time: f64,
-    /// Parameters there.
+    /// Parameters at entry.
     pub at: [f64; 2],
-    /// Gap there [mm]: 0, or how deep it was already when it came over the facet (negative).
+    /// Gap at entry [mm]: 0, or negative if the point was already below the face when it came over it.
     pub gap: f64,
 }
 
-/// The part of the way `[from, to]` on which the parameters are within their `[low, high]`, if any.
+/// The interval of the path on which both parameters lie in their ranges `[low, high]`, if there is one.
 fn within(start: &Place, end: &Place, range: &[[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for i in 0..2 {
@@ -43,12 +43,11 @@ fn within(start: &Place, end: &Place, range: &[[f64; 2]; 2]) -> Option<[f64; 2]>
     (from <= to).then_some([from, to])
 }
 
-/// Whether the way from `start` to `end` leads through a face whose parameters lie within their
-/// `[low, high]`.
+/// Whether and where the path from `start` to `end` enters through a face with the parameter ranges `[low, high]`.
 ///
-/// It does where the gap closes over the face, or where the way comes over the face no more than `behind`
-/// [mm] below it: what lies flush, or was pressed in by so much, slides on instead of being caught by the
-/// face at the side.
+/// The path enters where the gap closes over the face. It also enters where it comes over the face at most `behind`
+/// [mm] below it, so that flush or slightly penetrating bodies keep sliding instead of catching on the side of the
+/// face.
 pub fn entry(start: &Place, end: &Place, range: &[[f64; 2]; 2], behind: f64) -> Option<Entry> {
     if end.gap >= 0.0 || start.gap < -behind {
         return None;
@@ -68,7 +67,7 @@ pub fn entry(start: &Place, end: &Place, range: &[[f64; 2]; 2], behind: f64) -> 
     } else {
         (over, gap_at(over))
     };
-    // What came through and has left the face again since is none of its.
+    // A point that passed through the face and has left its range since is not in contact with it.
     (gap >= -behind).then(|| Entry {
         time,
         at: [0, 1].map(|i| start.at[i] + time * (end.at[i] - start.at[i])),
@@ -91,7 +90,7 @@ mod tests {
     fn what_comes_through_the_face_is_met_where_it_does() {
         let entry = way([0.0, -0.5, 3.0], [1.0, 0.5, -1.0]).unwrap();
         assert_eq!((entry.time, entry.at, entry.gap), (0.75, [0.75, 0.25], 0.0));
-        // Beyond the face at the end, but it went through.
+        // The end lies beyond the face, but the path went through it.
         let entry = way([0.0, 0.0, 1.0], [4.0, 0.0, -3.0]).unwrap();
         assert_eq!((entry.time, entry.at), (0.25, [1.0, 0.0]));
     }
@@ -100,11 +99,11 @@ mod tests {
     fn what_comes_from_the_side_or_from_behind_is_not() {
         assert_eq!(way([-3.0, 0.0, -1.0], [0.0, 0.0, -1.0]), None);
         assert_eq!(way([0.0, 0.0, -1.0], [0.0, 0.0, -2.0]), None);
-        // Through the plane beside the face, then under it.
+        // The path crosses the plane beside the face and then passes below it.
         assert_eq!(way([-3.0, 0.0, 0.5], [0.0, 0.0, -2.5]), None);
-        // Over it, and beside it when the gap closes.
+        // The path starts over the face, but the gap closes beside it.
         assert_eq!(way([0.0, 0.0, 3.0], [4.0, 0.0, -1.0]), None);
-        // It stays outside.
+        // The gap stays open.
         assert_eq!(way([0.0, 0.0, 3.0], [0.0, 0.0, 0.0]), None);
     }
 

@@ -1,14 +1,13 @@
-//! Closest point of a bilinear facet.
+//! Closest-point projection onto a bilinear facet.
 
 use nalgebra::Vector3;
 
 use crate::surface::{MIXED, blend, shape};
 
-/// A point seen from a facet.
+/// Projection of a point onto a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// Parameters of the closest point [-]. Beyond ±1 the facet is continued ([`extend`]); a
-    /// [`project`]ed point is always within.
+    /// Parameters of the closest point [-]. [`extend`] continues the facet beyond ±1; [`project`] stays within.
     pub xi: [f64; 2],
     /// Closest point [mm].
     pub point: Vector3<f64>,
@@ -22,8 +21,8 @@ pub struct Projection {
     pub inside: bool,
 }
 
-/// Foot of the perpendicular on the facet continued beyond its edges, by Newton's method from
-/// `start`. None if there is none nearby (collapsed or strongly warped facets).
+/// Foot of the perpendicular on the facet, which is continued beyond its edges, by Newton's method from `start`.
+/// `None` if there is no foot nearby (collapsed or strongly warped facets).
 pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Option<Projection> {
     let twist = blend(&MIXED, corners);
     let mut xi = start;
@@ -38,7 +37,7 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
         let mut det = g11 * g22 - off * off;
         let newton = det > 1e-10 * g11 * g22;
         if !newton {
-            // Far from a warped facet the curvature misleads: Gauss–Newton.
+            // Far from a warped facet the curvature term misleads: use Gauss–Newton.
             off = g12;
             det = g11 * g22 - g12 * g12;
         }
@@ -48,10 +47,10 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
         let (b1, b2) = (r.dot(&a1), r.dot(&a2));
         let d = [(g22 * b1 - off * b2) / det, (g11 * b2 - off * b1) / det];
         let size = d[0].abs().max(d[1].abs());
-        // Half a facet at a time: the map is only bilinear.
+        // Limit the step to half a facet, because the map is only bilinear.
         let factor = if size > 1.0 { 1.0 / size } else { 1.0 };
         xi = [xi[0] + factor * d[0], xi[1] + factor * d[1]];
-        // Newton leaves the square of its last step, Gauss–Newton a part of it.
+        // Newton's method leaves the square of its last step as error, Gauss–Newton a fraction of it.
         if size < if newton { 1e-9 } else { 1e-14 } {
             break;
         }
@@ -63,7 +62,7 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
     let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));
     let point = blend(&n, corners);
     let r = p - point;
-    // Rounding of the positions is what may remain of the tangential distance.
+    // Only rounding of the positions may remain of the tangential distance.
     let scale = a1.norm() + a2.norm();
     let rest = r.dot(&a1).abs().max(r.dot(&a2).abs());
     let cross = a1.cross(&a2);
@@ -83,8 +82,8 @@ pub fn extend(p: &Vector3<f64>, corners: &[[f64; 3]; 4], start: [f64; 2]) -> Opt
     })
 }
 
-/// Closest point of the facet itself, edges and corners included. Never fails: a collapsed facet
-/// answers with its closest edge.
+/// Closest point of the facet itself, including edges and corners. It always exists; for a collapsed facet it lies on
+/// the closest edge.
 pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
     let mut best: Option<Projection> = None;
     let mut take = |candidate: Projection| {
@@ -95,7 +94,7 @@ pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
             best = Some(candidate);
         }
     };
-    // A flat facet has one foot at most; a warped one may have several.
+    // A flat facet has at most one foot, a warped facet may have several.
     let starts: &[[f64; 2]] = if is_flat(corners) {
         &STARTS[..1]
     } else {
@@ -112,7 +111,7 @@ pub fn project(p: &Vector3<f64>, corners: &[[f64; 3]; 4]) -> Projection {
     best.unwrap_or_else(|| on_edge(p, corners, 0))
 }
 
-/// Where the search for a foot begins.
+/// Starting points of the search for a foot.
 const STARTS: [[f64; 2]; 5] = [
     [0.0, 0.0],
     [-0.7, -0.7],
@@ -121,7 +120,7 @@ const STARTS: [[f64; 2]; 5] = [
     [-0.7, 0.7],
 ];
 
-/// True if the four corners lie in one plane, to rounding.
+/// True if the four corners lie in one plane up to rounding.
 fn is_flat(corners: &[[f64; 3]; 4]) -> bool {
     let [a, b, c, d] = corners.map(Vector3::from);
     let (diagonal, other) = (c - a, d - b);
@@ -147,7 +146,7 @@ fn on_edge(p: &Vector3<f64>, corners: &[[f64; 3]; 4], edge: usize) -> Projection
     let normal = crate::surface::frame_at(corners, xi)[0];
     let r = p - point;
     let distance = r.norm();
-    // On the edge within rounding the point is as good as inside.
+    // On an edge a point within rounding counts as inside.
     let inside = (r - normal * r.dot(&normal)).norm() <= 1e-12 * length.sqrt();
     Projection {
         xi,

@@ -1,4 +1,4 @@
-//! The joint laws that are built in, by name, and those of users.
+//! Registry of the built-in joint laws, and the variant for user-defined laws.
 //!
 //! A law is added in nine places here, after its file:
 //!
@@ -16,22 +16,22 @@ use crate::joint::{JointLaw, Output};
 use crate::law::{CohesiveFrictional, InterfaceHistory, InterfaceResponse};
 use crate::shifted::Shift;
 
-/// Values of `kind` of `[interfaces.NAME]`; the first is the default.
+/// Values of `kind` in `[interfaces.NAME]`; the first is the default.
 pub const KINDS: [&str; 2] = ["cohesive-frictional", "cap"];
 
-/// A joint law: one that is built in, which costs no dispatch within a facet, or any other.
+/// A joint law. Built-in laws are dispatched once per facet, user-defined laws by a virtual call.
 #[derive(Clone)]
 pub enum InterfaceLaw {
     /// `kind = "cohesive-frictional"`.
     CohesiveFrictional(CohesiveFrictional),
     /// `kind = "cap"`.
     Cap(Cap),
-    /// A law of the user, which costs a virtual call per point.
+    /// A user-defined law, which costs a virtual call per point.
     Custom(Arc<dyn JointLaw>),
 }
 
-/// Evaluates an expression with the law in an [`InterfaceLaw`] under a name: of its own type where it is built in, else
-/// as `&dyn JointLaw`.
+/// Evaluates an expression with the law of an [`InterfaceLaw`] bound to a name. A built-in law has its own type, any
+/// other law is a `&dyn JointLaw`.
 #[macro_export]
 macro_rules! for_law {
     ($any:expr, $law:ident => $body:expr) => {
@@ -58,14 +58,14 @@ impl From<Cap> for InterfaceLaw {
     }
 }
 
-/// As the law within writes itself.
+/// Prints the law that it contains.
 impl fmt::Debug for InterfaceLaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for_law!(self, law => write!(f, "{law:?}"))
     }
 }
 
-/// Built-in laws by their parameters; a law of the user is equal to itself only.
+/// Built-in laws are equal if their parameters are; a user-defined law is equal only to itself.
 impl PartialEq for InterfaceLaw {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -78,7 +78,7 @@ impl PartialEq for InterfaceLaw {
 }
 
 impl InterfaceLaw {
-    /// A law of the user.
+    /// A user-defined law.
     pub fn custom(law: impl JointLaw + 'static) -> Self {
         Self::Custom(Arc::new(law))
     }
@@ -88,7 +88,7 @@ impl InterfaceLaw {
         CohesiveFrictional::dry(mu, normal_stiffness, shear_stiffness).into()
     }
 
-    /// The parameters, if it is the cohesive-frictional law.
+    /// The parameters if this is the cohesive-frictional law.
     pub fn as_cohesive_frictional(&self) -> Option<&CohesiveFrictional> {
         match self {
             Self::CohesiveFrictional(law) => Some(law),
@@ -96,7 +96,7 @@ impl InterfaceLaw {
         }
     }
 
-    /// Multiplies the strengths and energies of the bond by `factor`; a law of the user stays as it is.
+    /// Multiplies strengths and fracture energies of the bond by `factor`; a user-defined law does not change.
     pub fn scale_bond(&mut self, factor: f64) {
         match self {
             Self::CohesiveFrictional(law) => {
@@ -112,7 +112,7 @@ impl InterfaceLaw {
         }
     }
 
-    /// Whether it is the law of a joint cut at its middle, see [`half`](Self::half).
+    /// Whether this is the law of a joint cut at its middle, see [`half`](Self::half).
     pub fn is_half(&self) -> bool {
         match self {
             Self::CohesiveFrictional(law) => law.is_half(),
@@ -121,7 +121,7 @@ impl InterfaceLaw {
         }
     }
 
-    /// The law of half a joint, see [`JointLaw::halved`].
+    /// Law of one half of a joint, see [`JointLaw::halved`].
     pub fn half(&self) -> Option<Self> {
         match self {
             Self::CohesiveFrictional(law) => Some(law.half().into()),

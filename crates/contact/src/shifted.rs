@@ -1,58 +1,58 @@
-//! The same law for a solver that iterates with a softer stiffness.
+//! The cohesive-frictional law with a numerical stiffness below the physical one (theory/shifted-penalty.md).
 //!
-//! A penalty of 50 or 500 times the elements' stiffness is a constant of the law, not of the solver. Let
-//! t be the traction, g the gap, k the physical and k' < k the numerical stiffness. Where the law
-//! is elastic, the solver uses
+//! The penalty stiffness, 50 or 500 times that of the elements, is a constant of the law and not of the solver. Let t
+//! be the traction, g the gap, k the physical and k' < k the numerical stiffness. On an elastic branch the solver
+//! uses
 //!
 //! ```text
 //! t = k' (g − a),   a = −t₋ (1/k' − 1/k)   ⟺   t = k' g + (1 − k'/k) t₋
 //! ```
 //!
-//! with t₋ the traction of the last iterate: an augmented Lagrangian that stops at a chosen
-//! stiffness. Its fixed point t = t₋ is t = k g exactly. Around it stands the law of theory/joint.md, eqs 9 to 18,
-//! as a return of this mixed traction T to the law's bounds:
+//! where t₋ is the traction of the last iterate. This is an augmented Lagrangian with a finite stiffness. Its fixed
+//! point t = t₋ is exactly t = k g. The law of theory/joint.md, eqs 9 to 18, is applied as a return of this mixed
+//! traction T to the admissible set:
 //!
-//! * normal: T below zero or on the virgin branch is taken; beyond the envelope (1−D) f_t the
-//!   traction is the envelope, and the opening is what the elastic parts leave of the gap,
-//!   u = (1−D) f_t/k + (T − (1−D) f_t)/k'. A soft iterate opens by σ/k' ≫ f_t/k without having
-//!   failed: to read its gap as the opening would crack joints that hold. An opened point whose
-//!   secant stiffness is below k' takes the secant itself, a stiffer one mixes with it;
-//! * shear: T is limited by the bound g(σ₋, D) of an earlier iterate's normal traction, so that the
-//!   tangent stays symmetric. Slip is implicit: δ_p = δ_p,n + (|T| − g)/k' T/|T|, and D follows it.
+//! * Normal: T is accepted if it is negative or on the undamaged branch. Beyond the envelope the traction is (1−D)
+//!   f_t, and the opening is u = (1−D) f_t/k + (T − (1−D) f_t)/k', the gap without the elastic parts. A soft iterate
+//!   opens by σ/k' ≫ f_t/k without failure, so that reading its gap as the opening would damage sound joints. A
+//!   damaged point uses its secant stiffness directly if that is below k'; otherwise the secant takes the place of k
+//!   in the mixed traction.
+//! * Shear: T is limited by g(σ₋, D) with the normal traction of an earlier iterate, so that the tangent stays
+//!   symmetric. Slip is implicit: δ_p = δ_p,n + (|T| − g)/k' T/|T|, and D follows from it.
 //!
-//! At the fixed point every branch is that of [`CohesiveFrictional::update`], because σ₋ = σ and both
-//! returns leave g − t/k. The tangent leaves out ∂D and negative stiffness; it is symmetric and
-//! positive semidefinite, and exact for the lagged problem otherwise.
+//! At the fixed point every branch equals that of [`CohesiveFrictional::update`], because σ₋ = σ and both returns
+//! leave g − t/k. The tangent neglects ∂D and negative stiffness. It is symmetric and positive semidefinite, and
+//! otherwise exact for the problem with lagged σ₋.
 //!
-//! Three branches have no stiffness: the envelope, slip along its way, and the opening of what has no bond.
-//! Newton's method goes far along them, comes back by a branch that is stiff, and circles. A point that has
-//! left such a branch and come back since the increment began, or the other way round, is held on it
-//! ([`InterfaceResponse::hold`]): its tangent is a secant there. The fixed point is the same.
+//! Three branches have zero stiffness: the envelope, slip in its direction, and the open state without bond. Newton's
+//! method takes long steps along them, returns on a stiff branch, and cycles. A point that has entered and left such
+//! a branch within the increment, or left and entered it, is held ([`InterfaceResponse::hold`]): its tangent there is
+//! a secant. The fixed point does not change.
 
 use nalgebra::{Matrix3, Vector2};
 
 use crate::cohesive::Wholes;
 use crate::law::{CohesiveFrictional, InterfaceHistory, InterfaceResponse};
 
-/// What the shifted law knows of the last iterate.
+/// State of the last iterate that the shifted law uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
-    /// Numerical stiffness, normal and shear [N/mm³]; at most the physical one counts.
+    /// Numerical stiffness, normal and shear [N/mm³]; values above the physical stiffness are reduced to it.
     pub stiffness: [f64; 2],
     /// Traction of the last iterate [MPa].
     pub traction: [f64; 3],
-    /// Normal traction that bounds the shear [MPa]: that of the last iterate, or a mean of the last
-    /// ones where it swings.
+    /// Normal traction that bounds the shear [MPa]: that of the last iterate, or an average of recent iterates if it
+    /// oscillates.
     pub bounding: f64,
 }
 
-/// The branches without stiffness: whether a point opens along the envelope, slides, is open without traction.
+/// The three branches with zero stiffness: opening along the envelope, slip, open without traction.
 pub type Loose = [bool; 3];
 
-/// Most passes for D, the opening and the slip, which depend on one another: a plain one gains a factor of the
-/// softening slope over k', one by the secant of the last two its square, or nearly.
+/// Largest number of passes for D, opening and slip, which depend on each other. A plain pass reduces the error by
+/// the ratio of softening slope to k'; a secant step through the last two passes converges nearly quadratically.
 const PASSES: usize = 12;
-/// Change of D that is rounding of the softening curves.
+/// Change of D within rounding of the softening curves.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Normal part of an iterate.
@@ -61,7 +61,7 @@ struct Normal {
     traction: f64,
     /// Non-negative slope [N/mm³].
     slope: f64,
-    /// Opening that the law reads [mm].
+    /// Opening for the evaluation of the law [mm].
     opening: f64,
 }
 
@@ -73,7 +73,7 @@ struct Shear {
 }
 
 impl InterfaceResponse {
-    /// Which of the branches without stiffness an iterate from `old` is on.
+    /// The branches with zero stiffness that an iterate from `old` is on.
     #[inline(always)]
     pub fn loose(&self, old: &InterfaceHistory) -> Loose {
         let (now, sigma) = (&self.history, self.traction[0]);
@@ -81,8 +81,8 @@ impl InterfaceResponse {
         [opens, now.plastic_slip != old.plastic_slip, sigma == 0.0]
     }
 
-    /// Gives the tangent of an iterate on one of the branches `held` a stiffness: the secant, `stiffness` [N/mm³] at
-    /// most, along the envelope, all of that where nothing bonds, the secant of slip along it.
+    /// Gives the tangent a stiffness on those branches of `loose` that are also in `held`: on the envelope the
+    /// secant, at most `stiffness` [N/mm³]; in the open state without bond `stiffness`; in slip its secant.
     #[inline(always)]
     pub fn hold(&mut self, held: Loose, loose: Loose, stiffness: f64) {
         let [opens, slides, open] = [0, 1, 2].map(|i| held[i] && loose[i]);
@@ -95,7 +95,8 @@ impl InterfaceResponse {
             }
         }
         if slides {
-            // Across its way it has that secant, along it nothing.
+            // The tangent has the secant stiffness normal to the slip and zero along it. Use the secant in both
+            // directions.
             let secant = k[(1, 1)] + k[(2, 2)];
             for i in 1..3 {
                 for j in 1..3 {
@@ -132,14 +133,14 @@ impl CohesiveFrictional {
         let mut wholes = Wholes::default();
         let mut last_pass: Option<(f64, f64)> = None;
         let mut passes = 0;
-        // What presses knows nothing of D.
+        // The normal traction in compression does not depend on D.
         let mut normal = self.shifted_normal(gap[0], damage, old, shift);
         let pressed = normal.traction < 0.0;
         let (shear, limit, opening_max, slip_max) = loop {
             if !pressed && passes > 0 {
                 normal = self.shifted_normal(gap[0], damage, old, shift);
             }
-            // A tensile traction of an earlier iterate counts only as far as D allows it now.
+            // A tensile traction of an earlier iterate is limited to the tensile strength at the present D.
             let sigma = shift.bounding.min((1.0 - damage) * self.f_t);
             let limit = self.limit(sigma, damage).value;
             let shear = if size > limit {
@@ -170,7 +171,7 @@ impl CohesiveFrictional {
             let secant = last_pass.map_or(next, |(before, rest_before)| {
                 damage - rest * (damage - before) / (rest - rest_before)
             });
-            // A pass that gains little has come over a corner of the law: the next one is plain.
+            // After a pass with little progress (at a corner of the law) the next pass is plain.
             let gains = last_pass.is_none_or(|(_, before)| rest.abs() < 0.5 * before.abs());
             last_pass = Some((damage, rest));
             damage = if gains && secant >= old.damage && secant <= 1.0 {
@@ -214,7 +215,8 @@ impl CohesiveFrictional {
         )
     }
 
-    /// σ, its slope and the opening. The secant of an opened point is that of the step's start.
+    /// σ, its slope and the opening. The secant stiffness of an opened point has the largest opening at the start of
+    /// the step.
     #[inline(always)]
     fn shifted_normal(&self, u: f64, damage: f64, old: &InterfaceHistory, shift: &Shift) -> Normal {
         let k_n = self.normal_stiffness;
@@ -230,14 +232,14 @@ impl CohesiveFrictional {
         }
         let envelope = (1.0 - damage).max(0.0) * self.f_t;
         let secant = self.secant_stiffness(old.opening_max, damage);
-        // (T, slope, stiffness of what the law would make of T)
+        // Trial traction and its slope on the branch with the secant stiffness.
         let (traction, slope) = if secant <= k {
             (secant * u, secant)
         } else {
             (k * u + (1.0 - k / secant) * last, k)
         };
         if traction >= envelope {
-            // On the envelope σ falls with u: no stiffness.
+            // On the envelope σ decreases with u; the stiffness is set to zero.
             let opening = if secant <= k {
                 u
             } else {
@@ -264,7 +266,7 @@ impl CohesiveFrictional {
         }
     }
 
-    /// A guessed traction brought within the bounds of a point's history.
+    /// A predicted traction, limited to the admissible values for the history `old`.
     pub fn within_bounds(&self, guess: [f64; 3], old: &InterfaceHistory) -> [f64; 3] {
         let sigma = guess[0].min((1.0 - old.damage) * self.f_t);
         let limit = self.limit(sigma, old.damage).value;
@@ -273,8 +275,8 @@ impl CohesiveFrictional {
         [sigma, part * guess[1], part * guess[2]]
     }
 
-    /// Steepest softening, in opening and in slip [N/mm³] (theory/joint.md, eq. 23): a numerical stiffness below
-    /// it would snap back.
+    /// Steepest softening slopes in opening and in slip [N/mm³] (theory/joint.md, eq. 23). With a numerical stiffness
+    /// below them an iterate would snap back.
     pub fn softening_slopes(&self) -> [f64; 2] {
         if self.is_dry() {
             return [0.0; 2];
@@ -291,7 +293,7 @@ mod tests {
     use super::*;
     use crate::law::Coupling;
 
-    /// Normal and shear stiffness of an iterate [N/mm³].
+    /// Numerical normal and shear stiffness [N/mm³].
     const SOFT: [f64; 2] = [300.0, 130.0];
 
     fn iterate(
@@ -325,13 +327,13 @@ mod tests {
             coupling: Coupling::Max,
         };
         let every = [true; 3];
-        // Bonded: nothing to hold.
+        // A bonded point has its stiffness.
         let (mut bonded, loose) = iterate(&law, [1e-4, 1e-4, 0.0], 0.0);
         let before = bonded.tangent;
         assert_eq!(loose, [false; 3]);
         bonded.hold(every, loose, SOFT[0]);
         assert_eq!(bonded.tangent, before);
-        // Just beyond the envelope the secant is stiffer than the iterate; far beyond it is the softer one.
+        // Just beyond the envelope the secant is stiffer than the numerical stiffness, far beyond it is softer.
         for (gap, stiff) in [(0.7e-3, true), (0.1, false)] {
             let (mut opening, loose) = iterate(&law, [gap, 0.0, 0.0], 0.0);
             assert_eq!(loose, [true, false, false]);
@@ -343,16 +345,16 @@ mod tests {
             assert_eq!(secant > SOFT[0], stiff);
             assert_eq!(opening.tangent[(0, 0)], secant.min(SOFT[0]));
         }
-        // Slip: what it has across its way it gets along it, too.
+        // In slip the stiffness normal to the slip is used along it, too.
         let (mut sliding, loose) = iterate(&law, [-1e-3, 0.01, 0.0], -0.3);
         assert_eq!(loose, [false, true, false]);
         let across = sliding.tangent[(2, 2)];
         assert!(across > 0.0 && sliding.tangent[(1, 1)].abs() < 1e-12 * across);
         sliding.hold(every, loose, SOFT[0]);
-        // Rounding of a projector.
+        // Tolerance: rounding of a projector.
         assert!((sliding.tangent[(1, 1)] / across - 1.0).abs() < 1e-12);
         assert_eq!(sliding.tangent[(1, 2)], 0.0);
-        // What has no bond and is open.
+        // A joint without bond, open.
         let dry = CohesiveFrictional::dry(0.6, 150_000.0, 65_000.0);
         let (mut open, loose) = iterate(&dry, [1e-3, 0.0, 0.0], 0.0);
         assert_eq!(loose, [false, false, true]);

@@ -4,8 +4,7 @@
 //! S(w) = (1 − e^{−ζ w/w_k}) / (1 − e^{−ζ}),  S = 1 beyond w_k
 //! ```
 //!
-//! A bond of one mode only has no w_k in the other: with w_k = 0 the curve is a step, S(0) = 0 and
-//! S = 1 from the first separation on.
+//! A bond in one mode only has w_k = 0 in the other mode. The curve is then a step: S(0) = 0, and S = 1 for w > 0.
 
 /// One softening curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,16 +15,16 @@ pub struct Softening {
     pub brittleness: f64,
 }
 
-/// Below this brittleness the curve is linear to rounding of (1 − e^{−ζ})/ζ.
+/// Below this brittleness the curve is linear within rounding of (1 − e^{−ζ})/ζ.
 const LINEAR: f64 = 1e-8;
 
 impl Softening {
-    /// S(w) and S'(w) [1/mm]; slope from the left at w_k is not needed: (1, 0) from there on.
+    /// S(w) and S'(w) [1/mm]. From w_k on they are (1, 0).
     pub fn evaluate(&self, w: f64) -> (f64, f64) {
         self.evaluate_with(w, &mut None)
     }
 
-    /// The same, with 1 − e^{−ζ} of an earlier call.
+    /// The same with a cached value of 1 − e^{−ζ}.
     #[inline]
     pub(crate) fn evaluate_with(&self, w: f64, whole: &mut Option<f64>) -> (f64, f64) {
         if self.ultimate <= 0.0 {
@@ -40,11 +39,11 @@ impl Softening {
         }
         let whole = *whole.get_or_insert_with(|| -(-z).exp_m1());
         let part = -(-z * x).exp_m1();
-        // e^{−ζx} is what 1 − e^{−ζx} leaves.
+        // e^{−ζx} = 1 − (1 − e^{−ζx}).
         (part / whole, z * (1.0 - part) / (whole * self.ultimate))
     }
 
-    /// Largest S' [1/mm]: at the start, or at w_k for a negative brittleness; 0 for a step.
+    /// Largest S' [1/mm]: at w = 0, or at w_k for a negative brittleness; 0 for a step.
     pub fn steepest(&self) -> f64 {
         if self.ultimate <= 0.0 {
             return 0.0;
@@ -52,7 +51,7 @@ impl Softening {
         self.evaluate(0.0).1 * (-self.brittleness).exp().max(1.0)
     }
 
-    /// w with S(w) = `s`, 0 ≤ s ≤ 1 [mm].
+    /// Inverse: w with S(w) = `s`, 0 ≤ s ≤ 1 [mm].
     pub fn inverse(&self, s: f64) -> f64 {
         if s >= 1.0 {
             return self.ultimate;
@@ -68,7 +67,7 @@ impl Softening {
     pub fn shape_integral(brittleness: f64) -> f64 {
         let z = brittleness;
         if z.abs() < 1e-3 {
-            // Series: ½ − ζ/12 + ζ³/720; the closed form cancels here.
+            // Series ½ − ζ/12 + ζ³/720, because the closed form cancels here.
             0.5 - z / 12.0 + z * z * z / 720.0
         } else {
             1.0 / z - 1.0 / z.exp_m1()
@@ -85,7 +84,7 @@ mod tests {
         // Printed with six digits in theory/joint.md, eqs 30 and 31.
         assert!((Softening::shape_integral(4.38) - 0.215626).abs() < 5e-7);
         assert!((Softening::shape_integral(1.1) - 0.410130).abs() < 5e-7);
-        // The series meets the closed form where they change over: cancellation costs 1e-13.
+        // Series and closed form agree at the change-over; cancellation costs 1e-13.
         let z = 1e-3_f64;
         let closed = 1.0 / z - 1.0 / z.exp_m1();
         assert!((Softening::shape_integral(z * 0.999_999_9) - closed).abs() < 1e-9);

@@ -27,8 +27,8 @@ pub fn gauss_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
     sample(corners, part, 1.0 / 3.0_f64.sqrt())
 }
 
-/// The corners of a part, moved inwards by 1e-6 of its half, so that they lie on one facet only where
-/// edges of bodies coincide.
+/// The corners of a part, moved inwards by 1e-6 of its half size, so that each lies on one facet only where edges of
+/// bodies coincide.
 pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
     sample(corners, part, 1.0 - 1e-6)
 }
@@ -42,13 +42,13 @@ fn sample(corners: &[[f64; 3]; 4], part: &Part, at: f64) -> [SlavePoint; 4] {
     })
 }
 
-/// Where the slip of this increment is measured from.
+/// Reference point from which the slip of this increment is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     /// Parameters on the same facet.
     Same([f64; 2]),
-    /// A point elsewhere, at its current position [mm]. Its nodes are not among the eight; the
-    /// stiffness takes it as moving with the foot, which is exact where both belong to one face.
+    /// A point elsewhere, given by its current position [mm]. Its nodes are not among the eight. The stiffness
+    /// assumes that it moves with the foot, which is exact if both belong to one face.
     At([f64; 3]),
 }
 
@@ -57,7 +57,7 @@ pub enum Anchor {
 pub struct Kinematics {
     /// Normal gap u [mm], positive when open.
     pub gap: f64,
-    /// Slip since the last commit Δδ [mm], in the frame.
+    /// Slip since the last accepted increment Δδ [mm], in the frame.
     pub slip: [f64; 2],
     /// n, t₁, t₂.
     pub frame: [Vector3<f64>; 3],
@@ -74,8 +74,8 @@ pub struct Kinematics {
 }
 
 impl Kinematics {
-    /// Sees a slave point (corner positions and weights) from a master facet. `start` is a guess
-    /// for the foot. None if there is no foot near the facet.
+    /// Kinematics of a slave point (corner positions and weights) relative to a master facet. `start` is the initial
+    /// guess for the foot. `None` if there is no foot near the facet.
     pub fn new(
         slave: &[[f64; 3]; 4],
         slave_weights: &[f64; 4],
@@ -139,8 +139,8 @@ impl Kinematics {
         }
     }
 
-    /// Material stiffness of the point, for [`write_stiffness`], of `tangent` (rows σ, τ₁, τ₂; columns
-    /// u, δ₁, δ₂); area in mm².
+    /// Material stiffness of the point from `tangent` (rows σ, τ₁, τ₂; columns u, δ₁, δ₂), for [`write_stiffness`];
+    /// area in mm².
     pub fn stiffness(&self, tangent: &Matrix3<f64>, area: f64) -> PointStiffness {
         let rotation = Matrix3::from_columns(&self.frame);
         PointStiffness {
@@ -149,8 +149,8 @@ impl Kinematics {
         }
     }
 
-    /// Adds the exact stiffness ∂f/∂x `[a][b][i][j]` [N/mm], with the turning of the frame and the
-    /// wandering of the foot.
+    /// Adds the exact stiffness ∂f/∂x `[a][b][i][j]` [N/mm], including the rotation of the frame and the motion of
+    /// the foot.
     #[expect(
         clippy::too_many_lines,
         reason = "the formula of the exact stiffness, term by term"
@@ -234,7 +234,7 @@ impl Kinematics {
     }
 }
 
-/// Stiffness w_a w_b k of one point between the eight nodes of a cell.
+/// Stiffness w_a w_b k of one point between the eight nodes of a slave and a master facet.
 #[derive(Clone, Copy, Debug)]
 pub struct PointStiffness {
     /// w: weights of the relative displacement. `[slave corners, master corners]`
@@ -243,8 +243,8 @@ pub struct PointStiffness {
     pub block: Matrix3<f64>,
 }
 
-/// Writes the sum of the points' stiffness `[a][b][i][j]` [N/mm] over all of a cell: symmetric where
-/// the tangents are. One pass, because to write is what it costs.
+/// Writes the sum of the points' stiffnesses `[a][b][i][j]` [N/mm] over the whole element matrix; it is symmetric if
+/// the tangents are. The matrix is written once, because writing dominates the cost.
 pub fn write_stiffness(points: &[PointStiffness], cell: &mut [f64]) {
     for a in 0..8 {
         for b in 0..8 {

@@ -1,4 +1,4 @@
-//! Surfaces made of four-cornered facets.
+//! Surfaces of quadrilateral facets.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 pub struct Surface {
     /// Nodes of each facet. `[facet][corner]`
     pub facets: Vec<[u32; 4]>,
-    /// Body of each facet; a body does not touch itself. `[facet]`
+    /// Body of each facet; facets of one body do not touch each other. `[facet]`
     pub body: Vec<u32>,
 }
 
@@ -59,21 +59,21 @@ pub fn blend(weights: &[f64; 4], x: &[[f64; 3]; 4]) -> Vector3<f64> {
     sum
 }
 
-/// Area |a₁ × a₂| over the square of the facet's size below which a facet has no normal at a point:
-/// a collapsed edge, to rounding of its nodes.
+/// Facets with a smaller ratio of area |a₁ × a₂| to squared size have no normal at the point: an edge is collapsed up
+/// to rounding of its nodes.
 const FLAT: f64 = 1e-10;
 
 /// Frame [n, t₁, t₂] of a facet at (ξ, η): outward normal, the direction of ξ, and n × t₁.
 ///
-/// At a collapsed edge the frame is that of the middle of the facet. A facet without area has no
-/// frame; then the axes of space are returned, so that nothing divides by zero (it weighs nothing).
+/// At a collapsed edge the frame is that of the middle of the facet. A facet without area has no frame; the global
+/// axes are returned to avoid a division by zero, since the facet has no weight.
 pub fn frame_at(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> [Vector3<f64>; 3] {
     regular_frame(corners, xi)
         .or_else(|| regular_frame(corners, [0.0; 2]))
         .unwrap_or([Vector3::z(), Vector3::x(), Vector3::y()])
 }
 
-/// The frame where the facet has one.
+/// The frame, if it is defined.
 fn regular_frame(corners: &[[f64; 3]; 4], xi: [f64; 2]) -> Option<[Vector3<f64>; 3]> {
     let (_, by_s, by_t) = shape(xi);
     let (a1, a2) = (blend(&by_s, corners), blend(&by_t, corners));

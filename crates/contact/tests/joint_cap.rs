@@ -2,8 +2,8 @@
 
 use wythe_contact::{Cap, CapCurve, InterfaceHistory, JointLaw, PointStatus, Shift};
 
-/// Joints of the solid-clay walls of Raijmakers and Vermeltfoort as Lourenço and Rots (1997) model them, with tension
-/// and cap of the same kind.
+/// Joints of the solid-clay walls of Raijmakers and Vermeltfoort, as modelled by Lourenço and Rots (1997). Tension
+/// and cap have the same kind of softening.
 fn law() -> Cap {
     Cap {
         normal_stiffness: 82.0,
@@ -32,7 +32,7 @@ fn dilatant() -> Cap {
     }
 }
 
-/// Takes a virgin point along gaps and gives the histories.
+/// Histories of a point that starts undamaged and follows the gaps.
 fn follow(law: &Cap, gaps: impl IntoIterator<Item = [f64; 3]>) -> Vec<InterfaceHistory> {
     let mut history = law.virgin();
     gaps.into_iter()
@@ -43,7 +43,7 @@ fn follow(law: &Cap, gaps: impl IntoIterator<Item = [f64; 3]>) -> Vec<InterfaceH
         .collect()
 }
 
-/// The slip at a constant normal traction: openings are found for it, step by step.
+/// Shear at constant normal traction: each step iterates for the opening.
 fn sheared(law: &Cap, sigma: f64, slips: impl IntoIterator<Item = f64>) -> Vec<InterfaceHistory> {
     let mut history = law.virgin();
     let mut u = sigma / law.normal_stiffness;
@@ -56,7 +56,7 @@ fn sheared(law: &Cap, sigma: f64, slips: impl IntoIterator<Item = f64>) -> Vec<I
                 if off.abs() < 1e-12 {
                     break;
                 }
-                // With slip held the normal stiffness is that of its column.
+                // At fixed slip the normal stiffness is the diagonal entry of the tangent.
                 u -= off / answer.tangent[(0, 0)].max(1.0);
             }
             history = law.update([u, slip, 0.0], &history).history;
@@ -78,17 +78,17 @@ fn tension_softens_exponentially_and_spends_its_energy() {
         let plastic = u - sigma / law.normal_stiffness;
         if history.slots[0] > 0.0 {
             let exact = law.f_t * (-law.f_t * plastic / law.mode_1).exp();
-            // Rounding of k_n u.
+            // Tolerance: rounding of k_n u.
             assert!((sigma - exact).abs() < 1e-12, "{sigma} {exact}");
-            // All of the bond goes with its cohesion.
+            // Tensile strength and cohesion of the bond decrease in proportion.
             assert!((1.0 - history.damage - exact / law.f_t).abs() < 1e-12);
         }
         work += 0.5 * (sigma + before[1]) * (u - before[0]);
         before = [u, sigma];
     }
-    // e^-25 is left; the trapezoidal rule of 40,000 steps errs by 1e-7.
+    // e^-25 remains. The trapezoidal rule with 40,000 steps has an error of 1e-7.
     assert!((work / law.mode_1 - 1.0).abs() < 1e-6, "{work}");
-    // It unloads elastically, and pulls again up to where it was.
+    // Unloading is elastic.
     let back = follow(&law, [[0.1, 0.0, 0.0], [0.099, 0.0, 0.0]]);
     let [first, second] = [0, 1].map(|i| back[i].traction[0]);
     assert!((first - second - 0.001 * law.normal_stiffness).abs() < 1e-12);
@@ -102,17 +102,17 @@ fn shear_peaks_and_residuals_at_several_pressures() {
             let histories = sheared(&law, -pressure, slips.iter().copied());
             let peak = histories.iter().map(|h| h.traction[1]).fold(0.0, f64::max);
             let exact = law.c + law.tan_phi * pressure;
-            // One step of 2e-4 mm of softening, c c/G_II: 2e-4 MPa.
+            // Tolerance: softening within one step of 2e-4 mm, c c/G_II: 2e-4 MPa.
             assert!((peak - exact).abs() < 3e-4, "{peak} {exact}");
             let last = histories[histories.len() - 1];
             let residual = law.mu * pressure;
-            // e^(-c 8 mm/G_II) is left.
+            // e^(-c 8 mm/G_II) remains.
             assert!(
                 (last.traction[1] - residual).abs() < 1e-9,
                 "{:?}",
                 last.traction
             );
-            // The area above the residual friction.
+            // Area above the residual friction.
             let (mut before, mut work) = ([0.0, residual], 0.0);
             for (slip, h) in slips.iter().zip(&histories) {
                 let plastic = h.plastic_slip[0];
@@ -126,7 +126,7 @@ fn shear_peaks_and_residuals_at_several_pressures() {
                 assert!(*slip > plastic);
             }
             let energy = law.mode_2 * (1.0 + (law.tan_phi - law.mu) * pressure / law.c);
-            // The step of the peak: 2e-4 mm of some 0.3.
+            // Tolerance: the step at the peak, 2e-4 mm of some 0.3.
             assert!((work / energy - 1.0).abs() < 2e-3, "{work} {energy}");
         }
     }
@@ -141,7 +141,7 @@ fn the_cap_carries_its_strength_and_spends_its_energy() {
         let path = (1..=n).map(|k| [-end * f64::from(k) / f64::from(n), 0.0, 0.0]);
         let histories = follow(&law, path);
         let most = histories.iter().map(|h| -h.traction[0]).fold(0.0, f64::max);
-        // One of 100,000 steps at a horizontal tangent.
+        // Tolerance: one of 100,000 steps at a horizontal tangent.
         assert!((most * c_nn.sqrt() - 10.5).abs() < 1e-6, "{most}");
         let (mut before, mut work) = ([0.0, 0.0], 0.0);
         for h in &histories {
@@ -149,17 +149,17 @@ fn the_cap_carries_its_strength_and_spends_its_energy() {
             let root = c_nn.sqrt();
             let strength = law.curve.evaluate(crushed).0 / root;
             if h.slots[2] > 0.0 {
-                // Rounding of k_n u.
+                // Tolerance: rounding of k_n u.
                 assert!((-h.traction[0] - strength).abs() < 1e-9, "{h:?}");
             }
             let above = -h.traction[0] - CapCurve::RESIDUAL * 10.5 / root;
             work += 0.5 * (above + before[1]) * (crushed - before[0]);
             before = [crushed, above];
         }
-        // 1/7 f_m (κ(10 mm)): the exponential has ended; the vertical tangent at 0 leaves (1e-4/0.09)^1.5.
+        // At 10 mm the exponential has ended. The vertical tangent at κ = 0 leaves an error of (1e-4/0.09)^1.5.
         assert!((work * c_nn.sqrt() / 5.0 - 1.0).abs() < 1e-4, "{work}");
     }
-    // Under shear with pressure: C_nn σ² + C_ss τ² = f_m² at the peak.
+    // Shear with pressure: C_nn σ² + C_ss τ² = f_m² at the peak.
     let law = Cap {
         tan_phi: 2.0,
         mu: 2.0,
@@ -178,7 +178,7 @@ fn the_cap_carries_its_strength_and_spends_its_energy() {
 
 #[test]
 fn slip_lifts_by_the_dilatancy_and_no_more_beyond_its_pressure() {
-    // Far from the cap, which would press the joint together.
+    // The cap is moved far away, because it would close the joint.
     let law = Cap {
         curve: CapCurve::with_energy(60.0, 0.09, 40.0).unwrap(),
         ..dilatant()
@@ -190,14 +190,14 @@ fn slip_lifts_by_the_dilatancy_and_no_more_beyond_its_pressure() {
         let plastic = last.plastic_slip[0];
         let start = law.tan_psi * (1.0 - pressure / law.sigma_u).max(0.0);
         let exact = start * (1.0 - (-law.decay * plastic).exp()) / law.decay;
-        // Implicit steps take the dilatancy at their ends: 1e-4 mm of 1/δ = 0.2 mm, half of it.
+        // Implicit steps evaluate the dilatancy at their ends: an error of half of 1e-4 mm over 1/δ = 0.2 mm.
         assert!(
             (last.slots[0] - exact).abs() < 5e-4 * exact + 1e-12,
             "{} {exact}",
             last.slots[0]
         );
     }
-    // Held at its thickness, the joint is pressed instead.
+    // At fixed opening the dilatancy causes pressure instead.
     let held = follow(&law, [[0.0, 0.02, 0.0], [0.0, 0.1, 0.0]]);
     assert!(held[1].traction[0] < held[0].traction[0] && held[0].traction[0] < 0.0);
 }
@@ -205,18 +205,18 @@ fn slip_lifts_by_the_dilatancy_and_no_more_beyond_its_pressure() {
 #[test]
 fn tension_and_friction_meet_and_so_do_friction_and_cap() {
     let law = law();
-    // Opening and slip at once, far out.
+    // Large simultaneous opening and slip.
     let h = follow(&law, [[0.05, 0.2, 0.1]])[0];
     let left = 1.0 - h.damage;
     assert!((h.traction[0] - law.f_t * left).abs() < 1e-12);
     let tau = h.traction[1].hypot(h.traction[2]);
     let friction = law.mu + (law.tan_phi - law.mu) * left;
     assert!((tau - (law.c * left - friction * h.traction[0])).abs() < 1e-12);
-    // The loss of the bond is that of both: -ln(1 - D) = f_t u_p/G_I + c s_p/G_II.
+    // The loss of the bond is the sum of both modes: -ln(1 - D) = f_t u_p/G_I + c s_p/G_II.
     let loss = law.f_t * h.slots[0] / law.mode_1
         + law.c * h.plastic_slip[0].hypot(h.plastic_slip[1]) / law.mode_2;
     assert!((-left.ln() - loss).abs() < 1e-10, "{left} {loss}");
-    // Slip under a pressure at which the cap meets the friction.
+    // Slip at a pressure where cap and friction surface meet.
     let h = follow(&law, [[-0.015, 0.1, 0.0]])[0];
     let [sigma, tau, _] = h.traction;
     let left = 1.0 - h.damage;
@@ -272,7 +272,7 @@ fn the_iterates_of_a_soft_stiffness_end_at_the_law() {
                 shift.traction = last.traction;
             }
             for i in 0..3 {
-                // 400 iterates of a contraction, and the stopping width of its roots.
+                // Tolerance: 400 iterates of a contraction, and the stopping width of the root search.
                 let off = last.traction[i] - exact.traction[i];
                 assert!(
                     off.abs() < 1e-7,

@@ -1,4 +1,4 @@
-//! The checks that every joint law passes, on all laws of the registry.
+//! The checks for joint laws, applied to all laws of the registry.
 
 use nalgebra::Matrix3;
 use wythe_contact::checks::{Path, dissipation, objectivity, shifted, tangent};
@@ -42,7 +42,7 @@ fn cap(tan_psi: f64) -> Cap {
     }
 }
 
-/// Laws with the scales of opening and of closing of their paths [mm], every kind at least once.
+/// Laws with the scales of opening and closing of their random paths [mm]; every kind occurs.
 fn laws() -> Vec<(InterfaceLaw, [f64; 2])> {
     let dry = CohesiveFrictional::dry(0.65, 5000.0, 2000.0);
     let laws = vec![
@@ -79,7 +79,7 @@ fn tangents_are_the_derivatives() {
         let (mut columns, mut corners) = (0, 0);
         for seed in 0..60 {
             let path = Path::random(seed, 30, unit, closing);
-            // Rounding of 1e-15 over the step, and the curvature over it.
+            // Tolerance: rounding of 1e-15 over the step, and the curvature over it.
             let found = tangent(&law, &path, 1e-8, 2e-4).unwrap_or_else(|e| panic!("{e} {law:?}"));
             columns += found.columns;
             corners += found.corners;
@@ -94,7 +94,7 @@ fn answers_turn_and_mirror_with_the_gap() {
     for (law, [unit, closing]) in laws() {
         for seed in 0..40 {
             let path = Path::random(seed, 40, unit, closing);
-            // Rounding of 40 steps, a thousandfold by softening.
+            // Tolerance: rounding of 40 steps, amplified a thousandfold by softening.
             objectivity(&law, &path, 0.3 + seed as f64, 1e-9)
                 .unwrap_or_else(|e| panic!("{e} {law:?}"));
         }
@@ -106,7 +106,8 @@ fn energies_balance_and_none_is_given_back() {
     for (law, [unit, closing]) in laws() {
         for seed in 0..10 {
             let path = Path::random(seed, 40, unit, closing).divided(400);
-            // Within a step the trapezoidal rule and corners of the law leave a part of the step's energy.
+            // Tolerance: within a step the trapezoidal rule and corners of the law leave a fraction of the step's
+            // energy.
             let [work, lost] =
                 dissipation(&law, &path, 2e-4).unwrap_or_else(|e| panic!("{e} {law:?}"));
             assert!(law.is_dry() || lost > 0.0, "{work} {lost}");
@@ -169,7 +170,7 @@ fn the_default_iterate_of_a_soft_stiffness_is_the_closed_form() {
         let plain = Plain(own);
         let mut old = own.virgin();
         for gap in Path::random(seed, 30, 0.02, 0.02).0 {
-            // Above the steepest softening, 21 N/mm³ of the cap and 1 N/mm³ of the bond in shear.
+            // Above the steepest softening slopes, 21 N/mm³ of the cap and 1 N/mm³ of the bond in shear.
             let shift = Shift {
                 stiffness: if seed % 2 == 0 {
                     [40.0, 11.0]
@@ -183,9 +184,9 @@ fn the_default_iterate_of_a_soft_stiffness_is_the_closed_form() {
             let found = plain.update_shifted(gap, &old, &shift);
             let pairs = closed.traction.iter().zip(&found.traction);
             let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // Newton's method ends at 1e-12 of the tractions; softening multiplies it.
+            // Newton's method ends at 1e-12 of the tractions; softening amplifies the difference.
             assert!(off < 1e-8, "{gap:?} {old:?}: {closed:?} {found:?}");
-            // At corners either side's tangent is right.
+            // At corners of the law the tangent of either side is right.
             tangents += usize::from((closed.tangent - found.tangent).amax() < 1e-6 * 84.0);
             compared += 1;
             assert!((found.tangent - found.tangent.transpose()).amax() < 1e-12);
@@ -193,7 +194,7 @@ fn the_default_iterate_of_a_soft_stiffness_is_the_closed_form() {
         }
     }
     assert!(tangents * 100 > 99 * compared, "{tangents} of {compared}");
-    // A guess beyond the bounds is brought within them by the law.
+    // The law limits a guess to the admissible tractions.
     let plain = Plain(cap(0.0));
     let bound = plain.within_bounds([1.0, 2.0, 0.0], &plain.virgin());
     assert!(bound[0] <= 0.25 && bound[1] <= 0.35, "{bound:?}");

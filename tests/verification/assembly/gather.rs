@@ -1,4 +1,4 @@
-//! The gather: every entry against plain sums over the cells, both triangles or one, any threads.
+//! Assembly of cells: every entry against plain sums, with both triangles or one, on any number of threads.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,8 +11,8 @@ use wythe::deck::Deck;
 use wythe::linear::Kind;
 use wythe::model::Model;
 
-/// Three courses of J7D: nodes that are free, held, tied to the beam; in the first step one
-/// direction of the beam is an unknown, in the second none.
+/// Three courses of J7D with free nodes, fixed nodes and nodes tied to the beam. In the first step one direction of
+/// the beam is an unknown, in the second none.
 struct Wall {
     model: Model,
     dofs: DofMap,
@@ -27,7 +27,7 @@ fn wall() -> Wall {
     let (model, _) = Model::from_deck(&deck).expect("a sound model");
     let mut random = Random(41);
     let mut cells = model.mesh.elements.clone();
-    // Cells that join bodies, as pairs in contact do; one body's facets are far from the other's.
+    // Cells between bodies, as for contact pairs; the facets of one body are far from those of the other.
     let far = model.contact.master_facets.iter().rev();
     for (slave, master) in model.contact.slave_facets.iter().zip(far) {
         let mut cell = [0; 8];
@@ -71,7 +71,7 @@ fn plain(wall: &Wall, equations: &Equations) -> HashMap<(u32, usize), f64> {
 }
 
 fn filled(wall: &Wall, gather: &Gather, threads: usize) -> Vec<f64> {
-    // What stood there before must not matter.
+    // Previous contents of the matrix must not matter.
     let mut matrix = vec![f64::NAN; gather.row_idx.len()];
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -99,18 +99,18 @@ fn every_entry_is_the_sum_of_its_cells_on_any_number_of_threads() {
                 let row = full.row_idx[k];
                 let sum = sums.get(&(row, column));
                 met += usize::from(sum.is_some());
-                // Up to a few hundred numbers below 1, summed in another order.
+                // Tolerance: up to a few hundred numbers below 1, summed in a different order.
                 let error = matrix[k] - sum.unwrap_or(&0.0);
                 assert!(error.abs() < 1e-12, "({row}, {column}): {error:e}");
                 if row as usize >= column {
-                    // Which triangle of a symmetric cell is read must not matter; these cells are
-                    // not symmetric, so that it shows.
+                    // It must not matter which triangle of a symmetric cell is read. These cells are not symmetric,
+                    // so that a difference would show.
                     let mirrored = lower.col_ptr[row as usize]
                         + lower.row_idx
                             [lower.col_ptr[row as usize]..lower.col_ptr[row as usize + 1]]
                             .binary_search(&(column as u32))
                             .expect("a symmetric pattern");
-                    // Blocks of nodes on one beam are summed in another order.
+                    // Blocks of nodes on one beam are summed in a different order.
                     let error = half[k] - matrix[mirrored];
                     assert!(error.abs() < 1e-12, "({row}, {column}): {error:e}");
                     read += 1;

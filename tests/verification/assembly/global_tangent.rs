@@ -1,4 +1,4 @@
-//! The assembled tangent against differences of the assembled force, with contact in all its states.
+//! The assembled tangent against finite differences of the assembled force, with contact in all its states.
 
 use crate::common::Random;
 use crate::common::scene::{self, Face};
@@ -25,7 +25,7 @@ fn two_blocks(material: &MaterialParameters, law: CohesiveFrictional) -> Model {
 /// Nodes of the lower block of [`two_blocks`].
 const LOWER: usize = 18;
 
-/// Soft enough that differences of 1e-6 mm stay within a branch: f_t/k_n = 1e-3 mm.
+/// Soft enough that differences of 1e-6 mm stay on one branch: f_t/k_n = 1e-3 mm.
 fn soft(law: CohesiveFrictional) -> CohesiveFrictional {
     CohesiveFrictional {
         mu: 0.8 * law.tan_phi,
@@ -70,7 +70,7 @@ impl Rig {
         trial.force.clone()
     }
 
-    /// An increment to `q`, pairs searched there.
+    /// Evaluates an increment to `q`, with pairs searched there.
     fn go(&mut self, q: &[f64], setting: Evaluation) {
         self.trial.start(&self.state);
         self.system.search(&mut self.trial, q);
@@ -84,7 +84,7 @@ impl Rig {
         self.state.pairs.clone_from(&self.trial.joints.pairs);
     }
 
-    /// ∂F/∂q by the assembled cells and by central differences, with the statuses of the points.
+    /// ∂F/∂q from the assembled cells and from central differences, with the statuses of the points.
     fn tangents(
         &mut self,
         q: &[f64],
@@ -146,8 +146,8 @@ const SHIFTED: Evaluation = Evaluation {
     ..DIRECT
 };
 
-/// How the upper block moves against the lower one: tilt about y through the middle of the joint,
-/// spin about z through one of its corners, and shift [mm].
+/// Motion of the upper block relative to the lower one: tilt about y through the middle of the joint, spin about z
+/// through one of its corners, and shift [mm].
 struct Relative {
     tilt: f64,
     spin: f64,
@@ -156,7 +156,7 @@ struct Relative {
     rough: f64,
 }
 
-/// All nodes turned as one by `turn`, the upper block relative to the lower as said.
+/// Positions with all nodes rotated by `turn` and the upper block moved by `relative`.
 fn place(model: &Model, turn: &Matrix3<f64>, relative: &Relative, random: &mut Random) -> Vec<f64> {
     let mut q = Vec::new();
     for (node, x) in model.mesh.nodes.iter().enumerate() {
@@ -192,13 +192,13 @@ fn count(status: &[PointStatus], which: PointStatus) -> usize {
     status.iter().filter(|s| **s == which).count()
 }
 
-/// Largest entry of the difference over the largest entry.
+/// Largest entry of the difference divided by the largest entry.
 fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     (a - b).amax() / b.amax()
 }
 
-/// Two increments of tilting and sliding: points open, stick, slide, unload. `aside` [mm]: where
-/// the upper block is put besides in the first of them.
+/// Two increments of tilting and sliding, with points that open, stick, slide and unload. `aside` [mm] is an
+/// additional shift of the upper block in the first increment.
 fn mixed_states(
     rig: &mut Rig,
     setting: Evaluation,
@@ -235,7 +235,7 @@ fn direct_tangent_with_open_sticking_and_sliding_points_of_turned_bodies() {
         Formulation::BBar,
         Formulation::Incompatible,
     ] {
-        // Solids as soft as the interface, so that neither hides the other.
+        // The solids are as soft as the interface, so that neither dominates.
         let mut model = two_blocks(&scene::elastic(2000.0, 0.15), law);
         model.formulation = formulation;
         let mut rig = Rig::new(model);
@@ -249,9 +249,9 @@ fn direct_tangent_with_open_sticking_and_sliding_points_of_turned_bodies() {
         assert!(damaged > 0, "no point softens");
         let error = distance(&assembled, &differences);
         println!("{formulation:?}: {counts:?}, {damaged} damaged, error {error:.1e}");
-        // Positions near 60 mm are rounded to 7e-15 mm: over a step of 1e-6 mm that is 7e-9 of K.
+        // Tolerance: positions near 60 mm are rounded to 7e-15 mm; over a step of 1e-6 mm that is 7e-9 of K.
         assert!(error < 2e-8, "{formulation:?}: {error:e}");
-        // Friction is not associated: the tangent has to be unsymmetric.
+        // Friction is non-associated, so that the tangent must be unsymmetric.
         assert!(distance(&assembled.transpose(), &assembled) > 1e-3);
     }
 }
@@ -267,9 +267,8 @@ fn direct_tangent_with_cracked_and_crushed_solids_and_corner_points() {
     let mut model = two_blocks(&mortar, law);
     model.contact.points = ContactPoints::Corner;
     let mut rig = Rig::new(model);
-    // Nodes of 20 mm elements move by 0.06 mm: strains beyond the mortar's cracking, 1.5/2300. The
-    // block is put aside, because its corners would else lie on the edges of the master's facets
-    // and cross them.
+    // Nodes of 20 mm elements move by 0.06 mm: strains beyond the mortar's cracking, 1.5/2300. The block is shifted,
+    // because its corners would otherwise lie on the edges of the master's facets and cross them.
     let q = mixed_states(&mut rig, DIRECT, &turn(), [1.0, 2.0, -0.05], 0.06);
     let pairs = rig.trial.joints.pairs.iter().zip(&rig.state.pairs);
     let facing = pairs.clone().filter(|(now, _)| now.facet.is_some()).count();
@@ -292,7 +291,7 @@ fn direct_tangent_with_cracked_and_crushed_solids_and_corner_points() {
         rig.trial.solids.history.len()
     );
     assert!(counts.iter().all(|&c| c > 0) && cracked > 10);
-    // Rounding as above. The curvature of the return map adds less: (1e-6/20 / 6.5e-4)²/6 = 1e-9.
+    // Tolerance: rounding as above. The curvature of the return map adds less: (1e-6/20 / 6.5e-4)²/6 = 1e-9.
     assert!(error < 2e-8, "{error:e}");
 }
 
@@ -315,9 +314,9 @@ fn a_point_that_crossed_to_the_next_facet_keeps_an_exact_tangent_for_its_own_mot
     let (assembled, differences, _) = rig.tangents(&q, DIRECT);
     let own = |m: &DMatrix<f64>| m.columns(3 * LOWER, m.ncols() - 3 * LOWER).into_owned();
     let error = distance(&own(&assembled), &own(&differences));
-    // As in the first test; slip of 13 mm from a far anchor turns no faster than that of 1e-2 mm.
+    // Tolerance as in the first test. Slip of 13 mm from a distant anchor rotates no faster than that of 1e-2 mm.
     assert!(error < 2e-8, "{error:e}");
-    // The facet where the slip began is none of the pair's: how it strains is left out.
+    // The facet where the slip began does not belong to the pair: the effect of its strain is neglected.
     let whole = distance(&assembled, &differences);
     println!("own motion {error:.1e}, with the master's {whole:.1e}");
 }
@@ -327,7 +326,7 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
     let virgin = CohesiveFrictional {
         f_t: 20.0,
         c: 20.0,
-        // Softens too slowly to raise the numerical stiffness.
+        // The softening is too slow to raise the numerical stiffness.
         u_k: 100.0,
         delta_k: 100.0,
         ..soft(crate::common::table_3())
@@ -338,7 +337,7 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
         ("virgin", virgin),
         ("damaged", soft(crate::common::table_3())),
     ] {
-        // The numerical stiffness is 2 E/h = 200 N/mm³: softer than the law only if the law is stiffer.
+        // The numerical stiffness is 2 E/h = 200 N/mm³; the law must be stiffer to be shifted.
         let law = CohesiveFrictional {
             normal_stiffness: 4.0 * law.normal_stiffness,
             shear_stiffness: 4.0 * law.shear_stiffness,
@@ -347,7 +346,7 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
         let mut rig = Rig::new(two_blocks(&scene::elastic(2000.0, 0.15), law));
         // The lower block keeps its shape.
         let q = mixed_states(&mut rig, SHIFTED, &turn(), [0.0; 3], 0.0);
-        // The bound of the shear is that of the last iterate's normal traction.
+        // The normal traction of the last iterate bounds the shear.
         rig.trial.keep_tractions();
         let (assembled, differences, status) = rig.tangents(&q, SHIFTED);
         let slides = count(&status, PointStatus::Slip);
@@ -355,7 +354,7 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
             name == "virgin" || (slides > 0 && slides < status.len()),
             "{name}: {slides} slide"
         );
-        // Sums of the same products in another order.
+        // Tolerance: sums of the same products in a different order.
         let asymmetry = distance(&assembled.transpose(), &assembled);
         assert!(asymmetry < 1e-14, "{name}: {asymmetry:e}");
         let n = q.len() - 3 * LOWER;
@@ -364,13 +363,13 @@ fn shifted_tangent_is_symmetric_and_the_derivative_at_the_slave() {
         let whole = distance(&assembled, &differences);
         println!("{name}: slave {error:.1e}, whole {whole:.1e}");
         if name == "damaged" {
-            // ∂D and negative stiffness are left out on purpose: then it is not the derivative.
+            // ∂D and negative stiffness are neglected deliberately, so that the tangent is not the exact derivative.
             assert!(error > 1e-4, "{error:e}");
         } else {
-            // The frame of the master turns with the master only. Tolerance as in the first test.
+            // The frame of the master rotates only with the master. Tolerance as in the first test.
             assert!(error < 2e-8, "{name}: {error:e}");
         }
-        // Left out: the frame turns and the foot wanders, of the size of traction over facet, against
+        // The rotation of the frame and the motion of the foot are neglected: traction over facet size, relative to
         // the stiffness of solids and contact.
         let traction = rig.trial.shift.traction.iter().flatten();
         let traction = traction.fold(0.0, |most: f64, t| most.max(t.abs()));

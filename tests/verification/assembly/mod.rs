@@ -1,4 +1,4 @@
-//! Tests of the room `assembly`.
+//! Tests of the module `assembly`.
 
 mod gather;
 mod global_tangent;

@@ -10,7 +10,7 @@ fn vector(random: &mut Random, size: f64) -> [f64; 3] {
     [0, 1, 2].map(|_| size * random.signed())
 }
 
-/// Boxes of all kinds: solid, flat, points, twins, and touching cells of a lattice.
+/// Boxes of all kinds: solid, flat, points, duplicates, and adjacent cells of a lattice.
 fn boxes(random: &mut Random, count: usize) -> Vec<Aabb> {
     let mut result: Vec<Aabb> = Vec::new();
     for k in 0..count {
@@ -87,16 +87,16 @@ fn queries_equal_brute_force() {
     assert!(hits > 500, "{hits}");
 }
 
-/// A slave block's underside over a floor of several bodies, both with jittered nodes.
+/// A slave block above a floor of several bodies, both with randomly displaced nodes.
 struct Scene {
     slave: Surface,
     master: Surface,
     x: Vec<[f64; 3]>,
-    /// Node number from which the slave's nodes run.
+    /// Number of the first slave node.
     first_slave: usize,
 }
 
-/// A grid of n × n facets over [0, size]², normals up or down.
+/// A grid of n × n facets on [0, size]² with normals up or down.
 fn grid(x: &mut Vec<[f64; 3]>, n: usize, size: f64, height: f64, up: bool) -> Vec<[u32; 4]> {
     let first = x.len();
     for j in 0..=n {
@@ -125,7 +125,7 @@ fn scene(random: &mut Random, n_master: usize, n_slave: usize, jitter: f64) -> S
     let mut x = Vec::new();
     let size = 12.0;
     let floor = grid(&mut x, n_master, size, 0.0, true);
-    // The floor is two bodies, and facets of the slave's own body lie among the masters.
+    // The floor consists of two bodies, and facets of the slave's own body are among the masters.
     let half = floor.len() / 2;
     let mut body: Vec<u32> = (0..floor.len()).map(|f| u32::from(f >= half)).collect();
     let first_slave = x.len();
@@ -172,7 +172,7 @@ fn points_on(scene: &Scene, facet: usize) -> Vec<[f64; 3]> {
     result
 }
 
-/// The nearest facet that the point is over: every facet tried, lowest number first.
+/// The nearest facet onto which the point projects: all facets are tried, lowest number first.
 fn brute_force(scene: &Scene, facet: usize, p: &[f64; 3], radius: f64) -> Option<u32> {
     let normal = frame_at(&scene.slave.corners(facet, &scene.x), [0.0; 2])[0];
     let mut best: Option<(f64, u32)> = None;
@@ -224,7 +224,7 @@ fn pairs_equal_brute_force_while_surfaces_move_within_the_skin() {
                     alone += usize::from(expected.is_none());
                 }
             }
-            // Each side wanders by less than half the skin, sideways most of the time.
+            // Each side moves by less than half the search margin, mostly sideways.
             if round == 0 {
                 for (k, p) in s.x.iter_mut().enumerate() {
                     let sign = if k >= s.first_slave { 1.0 } else { -1.0 };
@@ -237,7 +237,7 @@ fn pairs_equal_brute_force_while_surfaces_move_within_the_skin() {
                     (0..3).for_each(|i| p[i] += by[i]);
                 }
             } else {
-                // Away: the gap opens beyond the radius.
+                // Separation: the gap opens beyond the radius.
                 for p in &mut s.x[s.first_slave..] {
                     p[2] += 0.4;
                 }
@@ -249,7 +249,7 @@ fn pairs_equal_brute_force_while_surfaces_move_within_the_skin() {
 
 #[test]
 fn a_point_over_a_closed_surface_is_never_lost() {
-    // Vertices, edges and faces of a flat floor, missed by 0 and ±1e-12 in all directions.
+    // Points above vertices, edges and faces of a flat floor, displaced by 0 and ±1e-12 in all directions.
     let mut random = Random(23);
     let mut s = scene(&mut random, 4, 3, 0.0);
     s.master.facets.truncate(16);
@@ -272,9 +272,9 @@ fn a_point_over_a_closed_surface_is_never_lost() {
                     xi,
                 )
                 .expect("a foot");
-                // Rounding of coordinates up to 12 mm.
+                // Tolerance: rounding of coordinates up to 12 mm.
                 assert!((foot.gap - by[2]).abs() < 1e-14);
-                // It stays where it is, also from across the edge.
+                // The pairing does not change, even slightly beyond the edge.
                 let again = pair_point(&Vector3::from(p), found, &all, &s.master, &s.x, [0.1, RIM]);
                 assert_eq!(again.map(|(f, _)| f), Some(facet));
             }
@@ -304,7 +304,7 @@ fn a_refitted_search_finds_what_a_new_one_finds() {
         }
     }
     assert!(total > 0);
-    // A mesh of another size is searched anew.
+    // A mesh with a different number of facets requires a new hierarchy.
     let s = scene(&mut random, 3, 2, 0.2);
     let points = aabbs(&s);
     let found = search.candidates(&s.slave, &points, &s.master, &s.x, 0.5);
@@ -322,7 +322,7 @@ fn collapsed_facets_do_not_disturb_the_search() {
         .flat_map(|f| points_on(&s, f).into_iter().map(move |p| (f, p)))
         .map(|(f, p)| brute_force(&s, f, &p, 0.4))
         .collect();
-    // Facets without area, needles and points, numbered behind the others.
+    // Facets without area, needles and points, numbered after the others.
     for f in 0..8 {
         let [a, b, c, _] = s.master.facets[f];
         s.master
@@ -351,36 +351,36 @@ fn slip_turns_with_the_frame() {
         let from = axes.map(|a| turn * a);
         let v = [random.signed(), random.signed()];
         let w = [random.signed(), random.signed()];
-        // Another frame, far turned; rounding only.
+        // A frame with a large rotation; tolerance: rounding.
         let other = Rotation3::new(Vector3::from(vector(&mut random, 1.5)));
         let to = axes.map(|a| other * a);
         let (a, b) = (to_frame(v, &from, &to), to_frame(w, &from, &to));
         assert!((a[0].hypot(a[1]) - v[0].hypot(v[1])).abs() < 1e-14);
-        // Differences travel as the vectors do: elastic slip is the small difference of large slips.
+        // Differences transform like the vectors: elastic slip is the small difference of large slips.
         let difference = to_frame([v[0] - w[0], v[1] - w[1]], &from, &to);
         for k in 0..2 {
             assert!((difference[k] - (a[k] - b[k])).abs() < 1e-14);
         }
-        // There and back.
+        // Forward and back.
         let back = to_frame(a, &to, &from);
         assert!((back[0] - v[0]).abs() < 1e-14 && (back[1] - v[1]).abs() < 1e-14);
-        // In one plane the vector itself stays.
+        // For a rotation in the plane the vector itself does not change.
         let spin = Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(from[0]), 0.7);
         let spun = from.map(|a| spin * a);
         let c = to_frame(v, &from, &spun);
         let stays = from[1] * v[0] + from[2] * v[1] - spun[1] * c[0] - spun[2] * c[1];
         assert!(stays.norm() < 1e-14);
     }
-    // Over a right-angled edge slip across it runs on down the next face: x → −z.
+    // Slip across a right-angled edge continues down the next face: x → −z.
     let next = [Vector3::x(), -Vector3::z(), Vector3::y()];
     let turned = to_frame([1.0, 0.25], &axes, &next);
-    // One rounding.
+    // Tolerance: one rounding.
     assert!((turned[0] - 1.0).abs() < 1e-15 && (turned[1] - 0.25).abs() < 1e-15);
 }
 
 #[test]
 fn a_point_that_faced_a_surface_stays_on_it_a_little_beyond_its_rim() {
-    // A facet of 2 x 2 mm: parameters are millimetres.
+    // A facet of 2 x 2 mm, so that parameters are millimetres.
     let master = Surface {
         facets: vec![[0, 1, 2, 3]],
         body: vec![0],
@@ -393,14 +393,15 @@ fn a_point_that_faced_a_surface_stays_on_it_a_little_beyond_its_rim() {
     let before = Some((0, [1.0, 0.3]));
     let close = |found: Option<(u32, [f64; 2])>, beyond: f64| {
         let (facet, [xi, eta]) = found.unwrap();
-        // Rounding of a division or two.
+        // Tolerance: rounding of one or two divisions.
         facet == 0 && (xi - 1.0 - beyond).abs() < 1e-12 && (eta - 0.3).abs() < 1e-12
     };
     for beyond in [0.0, 5e-4, 0.05, 0.09] {
         assert!(close(pair(beyond, before), beyond), "{beyond}");
     }
     assert_eq!(pair(0.11, before), None);
-    // Without a facet before, only rounding and settling count: no bond reaches over a rim.
+    // A point that did not face a facet before has only the margin for rounding and settling: a bond does not extend
+    // over a rim.
     assert!(close(pair(5e-4, None), 5e-4));
     assert_eq!(pair(0.05, None), None);
 }

@@ -1,5 +1,5 @@
-//! Fig. 7 of the paper through whole models: one interface between two uniform blocks, and couplets of
-//! two bricks from their decks.
+//! Fig. 7 of the paper with whole models: one interface between two uniform blocks, and couplets of two bricks from
+//! their decks.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use wythe::model::Model;
 use wythe::model::scene::BeamMotion;
 use wythe::state::HistoryRow;
 
-/// Pressure, peak of shear and residual friction of Fig. 7 [MPa].
+/// Pressure, shear peak and residual friction of Fig. 7 [MPa].
 const FIGURE_7: [[f64; 3]; 3] = [
     [0.1, 0.971, 0.073],
     [0.5, 1.375, 0.365],
@@ -39,9 +39,9 @@ fn work(rows: &[HistoryRow]) -> f64 {
 const SIDE: f64 = 100.0;
 const HEIGHT: f64 = 50.0;
 
-/// Two equal elastic blocks, the upper on the lower, with the joint of Table 1 at 500 E/h.
+/// Two equal elastic blocks, one on the other, with the joint of Table 1 at 500 E/h.
 fn uniform_blocks() -> (Model, [scene::Block; 2]) {
-    // No lateral strain, so that level platens leave the stress uniform.
+    // No lateral strain, so that the stress is uniform between level platens.
     let solid = scene::elastic(2970.0, 0.0);
     let stiffness = 500.0 * 2970.0 / (HEIGHT / 2.0);
     let law = CohesiveFrictional {
@@ -70,8 +70,8 @@ fn two_uniform_blocks_part_with_the_strength_and_energy_of_figure_7() {
     for (procedure, tolerance) in PROCEDURES {
         let (mut model, [_, upper]) = uniform_blocks();
         scene::beam(&mut model, upper.face(Face::Top));
-        // The blocks reach f_t at 2 × 50 mm × 0.28/2970 = 0.0094 mm. From there on the joint loses
-        // 6.2 MPa/mm: an increment of 2e-5 mm misses the peak by 4e-4 of it at most.
+        // The blocks reach f_t at 2 × 50 mm × 0.28/2970 = 0.0094 mm. Then the joint softens with 6.2 MPa/mm: an
+        // increment of 2e-5 mm misses the peak by at most 4e-4 of it.
         for (to, increments) in [(0.0090, 10), (0.001, 50), (0.26, 260)] {
             let pull = [LOCKED, LOCKED, BeamMotion::Driven(to)];
             let mut step = scene::step(pull, 2, increments, tolerance);
@@ -89,7 +89,7 @@ fn two_uniform_blocks_part_with_the_strength_and_energy_of_figure_7() {
         println!(
             "{procedure:?}: peak {peak:.5} MPa, G_I {energy:.6}, dissipated {dissipation:.6} N/mm"
         );
-        // 0.1 % was asked for; the curve with 0.001 mm between points is 2e-5 too large.
+        // Required: 0.1 %. The curve with points every 0.001 mm is too large by 2e-5.
         assert!((peak / TENSION[0] - 1.0).abs() < 1e-3, "{peak}");
         assert!((energy / TENSION[1] - 1.0).abs() < 1e-3, "{energy}");
         assert!(
@@ -105,15 +105,15 @@ fn two_uniform_blocks_slide_with_the_peaks_and_residuals_of_figure_7() {
     for (procedure, tolerance) in PROCEDURES {
         for [pressure, top, rest] in FIGURE_7 {
             let (mut model, [lower, upper]) = uniform_blocks();
-            // The couple of the shear forces is taken off all nodes, so that the pressure stays
-            // uniform; the lower block shears.
+            // The couple of the shear forces is distributed to all nodes, so that the pressure remains uniform; the
+            // lower block shears.
             scene::beam(&mut model, upper.nodes());
             scene::hold(&mut model, lower.nodes(), [false, true, true]);
             let area = SIDE * SIDE;
             let load = BeamMotion::Force(-pressure * area);
-            // The lower block gives 50 mm × τ/1485 MPa; then the joint loses up to 4 MPa/mm, 1e-3 of
-            // the peak in 2.4e-4 mm. Some shear from the start: without it nothing in the solids
-            // bears a force that the residual could be measured by.
+            // The lower block deforms by 50 mm × τ/1485 MPa. Then the joint softens with up to 4 MPa/mm, 1e-3 of the
+            // peak in 2.4e-4 mm. Some shear is applied from the start, because the residual needs a force in the
+            // solids as its measure.
             let elastic = HEIGHT * top / 1485.0;
             let way = [
                 (0.1 * elastic, 2),
@@ -133,7 +133,7 @@ fn two_uniform_blocks_slide_with_the_peaks_and_residuals_of_figure_7() {
             let peak = largest(&rows, |r| r.force_kN) * 1e3 / area;
             let residual = rows.last().unwrap().force_kN * 1e3 / area;
             println!("{procedure:?}, {pressure} MPa: peak {peak:.5}, residual {residual:.5} MPa");
-            // 0.1 % was asked for.
+            // Required: 0.1 %.
             assert!((peak / top - 1.0).abs() < 1e-3, "{peak}");
             assert!((residual / rest - 1.0).abs() < 1e-3, "{residual}");
         }
@@ -163,7 +163,7 @@ fn a_couplet_is_torn_with_the_strength_and_energy_of_its_joint() {
     let energy = work(&rows) * 1e3 / BED;
     let dissipated = last.interface_dissipation_J * 1e3 / BED;
     println!("peak {peak:.5} MPa, G_I {energy:.6}, dissipated {dissipated:.6} N/mm");
-    // Asked for: 1 %. Level platens hold the bricks' faces; the joint's stress is not quite uniform.
+    // Required: 1 %. Level platens restrain the bricks' faces; the stress in the joint is not quite uniform.
     assert!((peak / TENSION[0] - 1.0).abs() < 0.01, "{peak}");
     assert!((energy / TENSION[1] - 1.0).abs() < 0.01, "{energy}");
     assert!((dissipated / TENSION[1] - 1.0).abs() < 0.01, "{dissipated}");
@@ -180,9 +180,9 @@ fn a_couplet_is_sheared_off_below_the_point_s_peak_and_keeps_its_friction() {
         println!(
             "{pressure} MPa: peak {peak:.4} = {ratio:.3} of the point's, residual {residual:.5} MPa"
         );
-        // Edges concentrate stress: not all points reach their peak at once.
+        // Stress concentrates at the edges, so that not all points reach their peak at once.
         assert!(ratio < 1.0 && ratio > 0.9, "{peak}");
-        // Asked for: 0.5 %.
+        // Required: 0.5 %.
         assert!((residual / rest - 1.0).abs() < 5e-3, "{residual}");
     }
 }
@@ -195,9 +195,9 @@ fn a_couplet_under_no_load_is_at_rest_and_sheared_from_there() {
     ];
     let rows = completed(&example("02_couplet_shear.toml", &set)).rows;
     let rest = rows.iter().filter(|r| r.step == 0);
-    // Nothing acts: what is left is rounding, 4e-8 N a node.
+    // Without load only rounding remains, 4e-8 N per node.
     assert!(rest.map(|r| r.force_kN.abs()).fold(0.0, f64::max) < 1e-9);
     let peak = largest(&rows, |r| r.force_kN) * 1e3 / BED;
-    // Cohesion bounds the mean of the shear; edges reach it first.
+    // Cohesion is an upper bound of the mean shear stress; the edges reach it first.
     assert!(peak < 0.87 && peak > 0.9 * 0.87, "{peak}");
 }

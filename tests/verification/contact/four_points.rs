@@ -1,4 +1,4 @@
-//! The kernels of four points at once beside the plain ones of one.
+//! The kernels for four points at once against the plain kernels for one point.
 
 use crate::common::Random;
 use crate::common::scene::{self, Face};
@@ -13,15 +13,15 @@ use wythe::contact::{
 use wythe::model::Model;
 use wythe::state::Clock;
 
-/// Size of the facets, and how far off the origin they are [mm].
+/// Size of the facets, and their distance from the origin [mm].
 const SIZE: f64 = 25.0;
 const FAR: f64 = 1000.0;
-/// Roundings of the coordinates that a length may gather on its way through either kernel.
+/// Number of rounding errors of the coordinates that a length may accumulate in either kernel.
 const ROUNDING: f64 = 32.0 * f64::EPSILON * FAR;
 
 type Corners = [[f64; 3]; 4];
 
-/// A facet with corners off their rectangle by up to `skew` [mm], and off their plane by up to `warp`.
+/// A facet whose corners deviate from a rectangle by up to `skew` [mm], and from a plane by up to `warp`.
 fn facet(random: &mut Random, skew: f64, warp: f64) -> Corners {
     let turn = Rotation3::from_euler_angles(
         3.0 * random.signed(),
@@ -39,7 +39,7 @@ fn facet(random: &mut Random, skew: f64, warp: f64) -> Corners {
     })
 }
 
-/// A slave facet of which point `p` lies over its master facet at ξ, `gap` off it.
+/// A slave facet whose point `p` lies above its master facet at ξ, with the distance `gap`.
 struct Case {
     slave: Corners,
     weights: [[f64; 4]; 4],
@@ -50,7 +50,7 @@ struct Case {
 }
 
 impl Case {
-    /// Every point is a corner of the slave, so that it can be put where it is wanted.
+    /// Every point is a corner of the slave, so that it can be placed freely.
     fn new(random: &mut Random, warp: f64, xi: [[f64; 2]; 4]) -> Self {
         let mut weights = [[0.0; 4]; 4];
         (0..4).for_each(|p| weights[p][p] = 1.0);
@@ -103,7 +103,7 @@ impl Case {
             for i in 0..2 {
                 near(four.slip[i].0[p], plain.slip[i], 2.0 * ROUNDING, "slip");
                 near(four.xi[i].0[p], plain.xi[i], 2.0 * ROUNDING / SIZE, "foot");
-                // Where the point was put: the gap turns with the facet by what it is warped.
+                // The given position: on a warped facet the gap direction rotates with the normal.
                 near(
                     four.xi[i].0[p],
                     self.xi[p][i],
@@ -155,7 +155,7 @@ fn four_points_within_rounding_of_an_edge_are_seen_as_one_after_the_other() {
     }
 }
 
-/// A point whose projection is hard is left to the plain one, and its neighbours do not notice.
+/// A point with a difficult projection is left to the plain kernel, and the other points are not affected.
 #[test]
 fn what_is_hard_is_left_alone() {
     let mut random = Random(13);
@@ -165,7 +165,7 @@ fn what_is_hard_is_left_alone() {
         let before = case.four();
         for kind in 0..4 {
             match kind {
-                // Collapsed to a line, to a point, to nothing that is a number; and a start far off.
+                // Collapsed to a line, to a point, to NaN; and a distant start.
                 0 => case.master[hard][3] = case.master[hard][0],
                 1 => case.master[hard] = [case.master[hard][1]; 4],
                 2 => case.master[hard] = [[f64::NAN; 3]; 4],
@@ -185,7 +185,7 @@ fn what_is_hard_is_left_alone() {
     }
 }
 
-/// Both kernels say of a point near the edge where it stays whether it stays, but where rounding decides.
+/// Both kernels agree whether a point near an edge stays on its facet, unless rounding decides.
 #[test]
 fn who_stays_on_a_facet_is_told_alike() {
     let mut random = Random(14);
@@ -230,7 +230,7 @@ fn a_cell_holds_what_the_plain_sum_of_its_points_does() {
             write_symmetric(pulp::Scalar::new(), &fast, &mut a);
             write_stiffness(&plain, &mut b);
             for (k, (a, b)) in a.iter().zip(&b).enumerate() {
-                // A few roundings of the largest entries of four points.
+                // Tolerance: a few rounding errors of the largest entries of four points.
                 assert!(
                     (a - b).abs() <= 4.0 * 16.0 * f64::EPSILON * 84_000.0,
                     "{k}: {a} {b}"
@@ -240,7 +240,7 @@ fn a_cell_holds_what_the_plain_sum_of_its_points_does() {
     }
 }
 
-/// Two blocks of 60 × 40 × 20 mm on each other, facets of 30 × 20 below and 20 × 20 above.
+/// Two blocks of 60 × 40 × 20 mm on each other, with facets of 30 × 20 below and 20 × 20 above.
 fn two_blocks() -> Model {
     let mut model = scene::empty();
     let (size, material) = ([60.0, 40.0, 20.0], scene::elastic(1000.0, 0.2));
@@ -252,8 +252,8 @@ fn two_blocks() -> Model {
     model
 }
 
-/// What a search knows from the forces taken at the same place is what it finds where it knows nothing: facets that
-/// are passed, edges that are left, steps that are too high.
+/// A search that uses the forces from the same positions finds the same pairs as a search without them. Facets are
+/// passed, edges are left, and steps are too high.
 #[test]
 fn points_are_paired_with_and_without_memory_alike() {
     let model = two_blocks();
@@ -296,7 +296,7 @@ fn points_are_paired_with_and_without_memory_alike() {
             for (known, found) in trial.joints.pairs.iter().zip(&anew.joints.pairs) {
                 assert_eq!(known.facet, found.facet);
                 for i in 0..2 {
-                    // Two projections from different starts; coordinates of 60 mm over facets of 20.
+                    // Tolerance: two projections with different starts; coordinates of 60 mm on facets of 20 mm.
                     assert!((known.xi[i] - found.xi[i]).abs() < 1e-13);
                 }
             }

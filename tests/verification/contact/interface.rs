@@ -41,9 +41,9 @@ fn golden_curves() {
             worst = worst.max((history.damage - table["D_be"][i]).abs());
         }
         println!("{name}: {worst:.1e} MPa");
-        // The curves carry 1e-12 MPa; gaps of 15 digits times k_n = 1e5 N/mm³ leave 1e-11.
+        // Tolerance: the curves are given to 1e-12 MPa; gaps with 15 digits times k_n = 1e5 N/mm³ leave 1e-11.
         assert!(worst < 1e-10, "{name}: {worst:.2e}");
-        // Sub-stepping converges to the exact path.
+        // Substepping converges to the exact path.
         let errors = [1, 10, 100].map(|n| {
             let mut history = law.virgin();
             let mut last = [0.0; 3];
@@ -64,7 +64,7 @@ fn golden_curves() {
             worst
         });
         println!("{name}: substeps 1, 10, 100: {errors:?}");
-        // At least first order, or exact from the start (the exact columns carry 1e-11).
+        // At least first order, or exact from the start (the exact columns are given to 1e-11).
         assert!(errors[2] < 0.02 * errors[0] + 1e-10, "{name}: {errors:?}");
     }
 }
@@ -82,7 +82,7 @@ fn figure_7_tension_and_shear() {
         let mut history = law.virgin();
         let mut top: f64 = 0.0;
         for k in 1..=4500 {
-            // Elastic slip is 2e-5 mm at k_s: finer at first.
+            // Elastic slip is 2e-5 mm at k_s, so that steps are smaller at first.
             let d = if k <= 500 {
                 1e-7 * f64::from(k)
             } else {
@@ -91,7 +91,8 @@ fn figure_7_tension_and_shear() {
             history = law.update([u, d, 0.0], &history).history;
             top = top.max(history.traction[1]);
         }
-        // Exact, c + sigma tan phi and mu sigma; 0.1 % for the slip at which the peak is met, one step of 1e-7 mm of softening.
+        // Peak c + sigma tan phi and friction mu sigma are exact. 0.1 % allows for softening within one step of 1e-7
+        // mm.
         assert!((top - peak).abs() < 1e-3 * peak, "{top}");
         assert!((history.traction[1] - residual).abs() < 1e-3 * residual);
     }
@@ -104,7 +105,7 @@ fn softening_curves_of_the_data() {
     for (i, w) in table["u_mm"].iter().enumerate() {
         let u = w + law.f_t / law.normal_stiffness;
         let sigma = law.update([u, 0.0, 0.0], &law.virgin()).traction[0];
-        // Six printed digits.
+        // Tolerance: six printed digits.
         assert!((sigma - table["sigma_T1_MPa"][i]).abs() < 6e-7);
     }
     let table = csv("exact/daltri_interface_shear.csv");
@@ -115,7 +116,7 @@ fn softening_curves_of_the_data() {
             let tau = law
                 .update([-sigma / law.normal_stiffness, d, 0.0], &law.virgin())
                 .traction[1];
-            // Six printed digits; slip measured without its elastic part.
+            // Tolerance: six printed digits; slip is measured without its elastic part.
             assert!((tau - golden).abs() < 6e-6, "{tau} {golden}");
         }
     }
@@ -133,7 +134,7 @@ fn walk(random: &mut Random, law: &CohesiveFrictional, steps: usize) -> Vec<[f64
             for k in 0..3 {
                 gap[k] += unit * (drift[k] + 0.3 * random.signed());
             }
-            // Closed contact lives on the scale of the penetration.
+            // In compression the gap has the scale of the penetration.
             let u = if gap[0] < 0.0 {
                 gap[0] * 2.0 / (law.normal_stiffness * unit)
             } else {
@@ -171,8 +172,8 @@ fn tangents_match_central_differences() {
                         one_sided[1] =
                             one_sided[1].max(((answer.traction[i] - down[i]) / h - t).abs());
                     }
-                    // Rounding 1e-16/1e-9 of tractions of 1 MPa, and curvature of the returned
-                    // direction over h: 1e-4 of k.
+                    // Tolerance: rounding 1e-16/1e-9 of tractions of 1 MPa, and curvature of the return direction
+                    // over h: 1e-4 of k.
                     let scale = law.normal_stiffness;
                     if central > 1e-4 * scale {
                         kinks += 1;
@@ -192,7 +193,7 @@ fn tangents_match_central_differences() {
     assert!(kinks * 200 < checked, "{kinks} of {checked}");
 }
 
-/// Name, path to the state, the state [mm], the step of the difference [mm].
+/// Name, path to the state, the state [mm], the step of the finite difference [mm].
 type Named<'a> = (&'a str, &'a [[f64; 3]], [f64; 3], f64);
 
 #[test]
@@ -200,10 +201,10 @@ fn tangents_of_every_named_state() {
     for law in laws().into_iter().filter(|l| !l.is_dry()) {
         let u0 = law.f_t / law.normal_stiffness;
         let p = -0.5 / law.normal_stiffness;
-        // Slip at which |τ| reaches the cohesion c + tanφ |σ| of a virgin point.
+        // Slip at which |τ| reaches the cohesion c + tanφ |σ| of an undamaged point.
         let limit = (law.c + 0.5 * law.tan_phi) / law.shear_stiffness;
         let (just, over) = (1.0 - 1e-6, 1.0 + 1e-6);
-        // The step of the difference stays on one side of a corner.
+        // The finite difference stays on one side of a corner.
         let states: [Named; 14] = [
             ("elastic, pulled", &[], [0.3 * u0, 1e-6, -2e-6], 1e-10),
             ("elastic, pressed", &[], [p, 5e-6, 3e-6], 1e-10),
@@ -289,8 +290,9 @@ fn tangents_of_every_named_state() {
                 let (up, down) = (side(1.0), side(-1.0));
                 for i in 0..3 {
                     let error = ((up[i] - down[i]) / (2.0 * h) - answer.tangent[(i, j)]).abs();
-                    // Rounding 1e-16 of tractions over h ≥ 8e-13, and the next derivative (the
-                    // direction turns over |δ_e| = 3e-5 mm) times h²: below 1e-6 of k.
+                    // Tolerance: rounding 1e-16 of tractions over h ≥ 8e-13, and the next derivative (the direction
+                    // rotates over
+                    // δ_e| = 3e-5 mm) times h²: below 1e-6 of k.
                     assert!(
                         error < 1e-6 * law.normal_stiffness,
                         "{name}: ({i},{j}) {error:.1e} {law:?}"
@@ -301,8 +303,8 @@ fn tangents_of_every_named_state() {
     }
 }
 
-/// Twenty sub-steps from one gap to the next, and one more where the path crosses u = 0: there the
-/// secant stiffness changes within a step, and the trapezoidal rule sees it only at its ends.
+/// Twenty substeps between two gaps, and one more where the path crosses u = 0. There the secant stiffness changes
+/// within a step, and the trapezoidal rule uses only the values at its ends.
 fn substeps(from: [f64; 3], to: [f64; 3]) -> Vec<[f64; 3]> {
     let mut fractions: Vec<f64> = (1..=20).map(|s| f64::from(s) / 20.0).collect();
     if from[0] * to[0] < 0.0 {
@@ -326,7 +328,7 @@ fn substeps(from: [f64; 3], to: [f64; 3]) -> Vec<[f64; 3]> {
 fn every_walk_dissipates_and_balances() {
     let mut random = Random(12);
     let mut bonded = laws();
-    // One mode only: no ultimate separation in the other.
+    // A bond in one mode only: no ultimate separation in the other.
     bonded.push(CohesiveFrictional {
         f_t: 0.0,
         u_k: 0.0,
@@ -356,8 +358,8 @@ fn every_walk_dissipates_and_balances() {
                     for k in 0..2 {
                         rate += new.traction[1 + k] * (new.plastic_slip[k] - old.plastic_slip[k]);
                     }
-                    // C.5: slip works against friction, and the secant stiffness never grows.
-                    // Rounding of slips of 1e-2 mm times tractions of 1e2 MPa.
+                    // Slip does work against friction, and the secant stiffness never increases (theory/joint.md, eq.
+                    // 21). Tolerance: rounding of slips of 1e-2 mm times tractions of 1e2 MPa.
                     assert!(rate >= -1e-15, "{rate:e}");
                     assert!(new.damage >= old.damage && new.damage <= 1.0);
                     for (k, from) in [old.opening, old.slip[0], old.slip[1]].iter().enumerate() {
@@ -371,8 +373,8 @@ fn every_walk_dissipates_and_balances() {
                 }
                 last = target;
             }
-            // ½(t_n + t_{n+1})·Δg = Δψ + dissipation is an identity of every step that stays on one
-            // side of u = 0. Rounding: slips of 1e-1 mm to 1e-17 times k_s 1e5 times tractions.
+            // ½(t_n + t_{n+1})·Δg = Δψ + dissipation is an identity in every step that stays on one side of u = 0.
+            // Tolerance: slips of 1e-1 mm with rounding of 1e-17, times k_s of 1e5, times tractions.
             let error = (work - elastic - dissipated).abs();
             assert!(
                 error <= 1e-10 * size + 1e-13,
@@ -385,7 +387,7 @@ fn every_walk_dissipates_and_balances() {
 
 #[test]
 fn a_bond_of_one_mode_lasts_until_the_other_moves() {
-    // No tensile strength: cohesion holds while the joint is shut, any opening breaks it.
+    // No tensile strength: cohesion remains while the joint is closed; any opening destroys it.
     let shear = CohesiveFrictional {
         f_t: 0.0,
         u_k: 0.0,
@@ -393,11 +395,11 @@ fn a_bond_of_one_mode_lasts_until_the_other_moves() {
     };
     let answer = shear.update([0.0, 1e-5, 0.0], &shear.virgin());
     assert_eq!(answer.history.damage, 0.0);
-    // k_s δ, one rounding.
+    // Tolerance: k_s δ with one rounding.
     assert!((answer.traction[1] - 1e-5 * shear.shear_stiffness).abs() < 1e-15);
     let opened = shear.update([1e-6, 0.0, 0.0], &answer.history);
     assert_eq!((opened.history.damage, opened.traction[0]), (1.0, 0.0));
-    // No cohesion: tensile strength holds until it slips.
+    // No cohesion: tensile strength remains until the joint slips.
     let tension = CohesiveFrictional {
         c: 0.0,
         delta_k: 0.0,
@@ -425,7 +427,7 @@ fn a_turned_slip_path_gives_turned_tractions() {
             a = law.update(gap, &a).history;
             b = law.update([gap[0], d1, d2], &b).history;
             let t = turn([a.traction[1], a.traction[2]]);
-            // Rounding times k_s.
+            // Tolerance: rounding times k_s.
             assert!((t[0] - b.traction[1]).abs() < 1e-9 && (t[1] - b.traction[2]).abs() < 1e-9);
             assert!((a.traction[0] - b.traction[0]).abs() < 1e-9);
         }
@@ -456,7 +458,7 @@ fn the_shifted_law_converges_to_the_law() {
                     traction = shifted.traction;
                 }
                 for k in 0..3 {
-                    // (3/4)^400 of anything, and rounding.
+                    // Tolerance: the contraction (3/4)^400, and rounding.
                     let error = (shifted.traction[k] - direct.traction[k]).abs();
                     assert!(error < 1e-9, "{k}: {shifted:?} {direct:?} {law:?}");
                 }
@@ -470,7 +472,7 @@ fn the_shifted_law_converges_to_the_law() {
 
 #[test]
 fn the_shifted_law_converges_from_afar_at_the_solver_s_stiffness() {
-    // 2 E/h against 500 E/h: the error falls by 1 − 1/250 an iteration.
+    // 2 E/h against 500 E/h: each iteration reduces the error by 1 − 1/250.
     let mut random = Random(15);
     for law in laws() {
         let mut old = law.virgin();
@@ -491,14 +493,14 @@ fn the_shifted_law_converges_from_afar_at_the_solver_s_stiffness() {
                 );
                 traction = last.traction;
                 let eigenvalues = last.tangent.symmetric_eigenvalues();
-                // Rounding of a projector times k_s/250.
+                // Tolerance: rounding of a projector times k_s/250.
                 assert!(eigenvalues.min() >= -1e-12 * law.shear_stiffness);
                 if (0..3).all(|k| traction[k] == direct.traction[k]) {
                     break;
                 }
             }
             for k in 0..3 {
-                // Rounding of an iterate, 250 times itself, for tractions up to 1e2 MPa.
+                // Tolerance: rounding of an iterate, amplified by 250, for tractions up to 1e2 MPa.
                 let error = (last.traction[k] - direct.traction[k]).abs();
                 assert!(
                     error < 1e-10 * (1.0 + direct.traction[k].abs()),
@@ -518,7 +520,7 @@ fn a_dry_joint_has_friction_and_nothing_else() {
     assert_eq!(law.update([0.01, 0.3, 0.0], &h).traction, [0.0; 3]);
     h = law.update([-0.01, 1.0, 0.0], &h).history;
     assert!((h.traction[1] - 6.0).abs() < 1e-12);
-    // Re-closing after open sliding sticks at the new place.
+    // After sliding while open, a joint that closes sticks at the new place.
     h = law.update([0.5, 3.0, 0.0], &h).history;
     h = law.update([-0.01, 3.0, 0.0], &h).history;
     assert!(h.traction[1].abs() < 1e-12);

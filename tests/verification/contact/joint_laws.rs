@@ -1,4 +1,4 @@
-//! Kinds of joints in decks: keys, messages, laws, whole models with them and with laws of users.
+//! Joint laws in decks: keys, messages and laws, and whole models with built-in and user-defined laws.
 
 use wythe::contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, registry};
 use wythe::deck::schema::JointKind;
@@ -67,7 +67,7 @@ direction = "z"
 displacement = "-2 mm"
 "#;
 
-/// Keeps rows and the last frame.
+/// Records rows and the last frame.
 #[derive(Default)]
 struct Kept(Vec<HistoryRow>, Frame);
 
@@ -111,7 +111,7 @@ fn the_registry_and_the_kinds_of_decks_are_the_same() {
         notes.iter().any(|n| n.contains("cap law, f_m = 10.5 MPa")),
         "{notes:?}"
     );
-    // Written and read again it is the same deck.
+    // Writing and reading the deck gives the same deck.
     let again = Deck::from_str(&deck.to_toml().unwrap(), "again.toml").unwrap();
     assert_eq!(again.interfaces, deck.interfaces);
 }
@@ -154,7 +154,7 @@ fn keys_that_do_not_fit_are_named() {
 fn a_couplet_slides_and_crushes_at_its_strengths() {
     let mut kept = Kept::default();
     wythe::solve::run(&model(SHEARED).1, &mut kept).unwrap();
-    // c + tan φ 0.5 MPa on 200 × 100 mm; the peak is met within 0.5 %, the other edge unloads a little.
+    // c + tan φ 0.5 MPa on 200 × 100 mm; the peak is found within 0.5 %, and the other edge unloads slightly.
     let exact = (0.35 + 0.75 * 0.5) * 20.0;
     let peak = largest(&kept.0, 1.0);
     assert!((peak / exact - 1.0).abs() < 0.03, "{peak} {exact}");
@@ -172,7 +172,7 @@ fn a_couplet_slides_and_crushes_at_its_strengths() {
     let mut kept = Kept::default();
     wythe::solve::run(&model(PRESSED).1, &mut kept).unwrap();
     let peak = largest(&kept.0, -1.0).max(largest(&kept.0, 1.0));
-    // f_m on 200 × 100 mm; the edges of blocks that spread under pressure slide, which the cap feels.
+    // f_m on 200 × 100 mm. The edges of blocks that expand under pressure slide, which affects the cap.
     assert!((peak / 210.0 - 1.0).abs() < 0.02, "{peak}");
 }
 
@@ -192,7 +192,7 @@ fn points_tell_the_outputs_of_their_law_after_the_damage() {
     assert!(told[0] > 0.0 && told[1] > 0.0);
 }
 
-/// Elastic up to a slip from which it has no answer.
+/// Elastic up to a slip beyond which the law has no solution.
 #[derive(Debug)]
 struct Breaks([f64; 2]);
 

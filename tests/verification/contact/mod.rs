@@ -1,4 +1,4 @@
-//! Tests of the room `contact`.
+//! Tests of the module `contact`.
 
 mod bvh;
 mod couplets;

@@ -1,4 +1,4 @@
-//! Facets in parts: more points than four where a joint bends and its elements are too few.
+//! Facets divided into parts: more than four points per element in a joint that bends.
 
 use crate::common::blocks::deck_and_model;
 use crate::common::scene::{completed, run};
@@ -6,9 +6,9 @@ use wythe::assembly::Contact;
 use wythe::model::Model;
 use wythe::state::Status;
 
-/// A block of one element on one element, pressed, then pushed at its top.
+/// A block of one element on another element, compressed and then pushed at its top.
 ///
-/// Blocks are all but rigid, and the dry joint between them is all that gives: k = 1,000 N/mm³ beside E/h = 1e6.
+/// The blocks are nearly rigid, so that only the dry joint deforms: k = 1,000 N/mm³ compared with E/h = 1e6.
 fn pushed(parts: u32, push: f64) -> Model {
     let text = format!(
         r#"format = 1
@@ -64,8 +64,8 @@ tolerance = {{ residual = 1e-6 }}
     deck_and_model(&text).1
 }
 
-/// Rotation of a rigid block of 100 × 100 mm on rows of springs that bear no tension, under 1 MPa at an eccentricity
-/// [mm]: the pressed rows are all those on from one, and of each set two equations of balance are solved.
+/// Rotation of a rigid block of 100 × 100 mm on rows of springs without tension, under 1 MPa at an eccentricity [mm].
+/// The compressed rows are those beyond a certain one; for each such set the two equilibrium equations are solved.
 fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
     let share = 1000.0 * 100.0 * 100.0 / rows.len() as f64;
     let force = 1.0 * 100.0 * 100.0;
@@ -73,7 +73,7 @@ fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
         let rows = &rows[rows.len() - pressed..];
         let sum = |power: i32| share * rows.iter().map(|y| y.powi(power)).sum::<f64>();
         let (s0, s1, s2) = (sum(0), sum(1), sum(2));
-        // a + θ y presses: Σ = N, Σ y = N e.
+        // Springs with a + θ y > 0 are compressed: Σ = N, Σ y = N e.
         let determinant = s0 * s2 - s1 * s1;
         if pressed == 1 {
             break;
@@ -87,13 +87,13 @@ fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
     f64::NAN
 }
 
-/// Beyond the middle third a joint opens. Of two rows of points the outer one lies 28.9 mm from the middle, and what is
-/// pressed farther out falls over; of sixteen rows the block turns as on springs without tension, over 60 of its 100 mm
-/// where it is pressed 20 mm from its toe.
+/// For a load outside the middle third the joint opens. With two rows of points the outer row lies 28.9 mm from the
+/// middle, and a load beyond it overturns the block. With sixteen rows the block rotates as on a bed of springs
+/// without tension: 60 of its 100 mm are compressed under a load 20 mm from the toe.
 #[test]
 fn an_open_joint_under_one_element_turns_as_exactly_as_its_rows_are_fine() {
     const E: f64 = 30.0;
-    // Pressed along c = 3 (b/2 − e), by 2 N / (k b c) at the toe.
+    // The compressed length is c = 3 (b/2 − e), the compression at the toe 2 N / (k b c).
     let along = 3.0 * (50.0 - E);
     let exact = 2.0 * 1e4 / (1000.0 * 100.0 * along) / along;
     for (parts, off) in [(2, 0.05), (4, 0.02), (8, 0.006)] {
@@ -108,12 +108,12 @@ fn an_open_joint_under_one_element_turns_as_exactly_as_its_rows_are_fine() {
             .collect();
         let on_rows = rotation_on_rows(&rows, E);
         println!("{parts}: {turned:e}, on rows {on_rows:e}, exact {exact:e}");
-        // The block leans by 6e-5, which moves its load by 0.006 of 30 mm; blocks give by 1e-3 of the joint.
+        // The block tilts by 6e-5, which moves its load by 0.006 of 30 mm; the blocks deform by 1e-3 of the joint.
         assert!(
             (turned / on_rows - 1.0).abs() < 3e-3,
             "{parts}: {turned:e} {on_rows:e}"
         );
-        // What composite rules leave of a line with a kink, 3.7, 1.6 and 0.5 % by the equations above.
+        // Errors of composite quadrature for a line with a kink, 3.7, 1.6 and 0.5 % by the equations above.
         assert!(
             (on_rows / exact - 1.0).abs() < off,
             "{parts}: {on_rows:e} {exact:e}"
@@ -123,7 +123,7 @@ fn an_open_joint_under_one_element_turns_as_exactly_as_its_rows_are_fine() {
     assert_ne!(falls.status, Status::Completed);
 }
 
-/// Points of parts are where those of elements of their size would be, and stand for as much.
+/// The points of parts lie where those of elements of the same size would be, with the same areas.
 #[test]
 fn parts_are_sampled_as_elements_of_their_size() {
     let text = |mesh: &str, parts: &str| {
@@ -144,7 +144,7 @@ fn parts_are_sampled_as_elements_of_their_size() {
                 [at(0), at(1), at(2), point.area]
             })
             .collect();
-        // In an order that rounding does not change.
+        // Sorted in an order that rounding does not change.
         points.sort_by_key(|point| point.map(|x| (1e6 * x).round() as i64));
         (points, contact.reach())
     };
@@ -156,6 +156,6 @@ fn parts_are_sampled_as_elements_of_their_size() {
             assert!((a[i] - b[i]).abs() < 1e-9, "{a:?} {b:?}"); // rounding of 100 mm
         }
     }
-    // How far points look hangs on the mesh, not on the parts.
+    // The search radius depends on the mesh, not on the parts.
     assert_eq!(reach, sampled("[4, 2, 1]", "[1, 1, 1]").1);
 }

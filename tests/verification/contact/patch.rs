@@ -1,5 +1,5 @@
-//! Contact patch test: two blocks with other facets on either side of a joint, under uniform
-//! pressure (theory/contact.md, Decisions, One pass).
+//! Contact patch test: two blocks with different facets on either side of a joint, under uniform pressure
+//! (theory/contact.md, Decisions, One pass).
 
 use crate::common::scene::{self, Block, Face, How};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
@@ -14,14 +14,14 @@ const E: f64 = 2000.0;
 /// Mean pressure [MPa].
 const PRESSURE: f64 = 1.0;
 
-/// Largest deviations from uniform pressure, over it.
+/// Largest deviations from uniform pressure, divided by it.
 #[derive(Debug)]
 struct Errors {
     /// σ_zz of an element of the slave's body.
     slave_stress: f64,
     /// σ_zz of an element of the master's body.
     master_stress: f64,
-    /// Nodal force of the master's face, over its exact value.
+    /// Nodal force of the master's face, divided by its exact value.
     master_force: f64,
 }
 
@@ -33,7 +33,7 @@ impl Errors {
     }
 }
 
-/// The upper block is the slave's, with `slave` × `slave` facets on `master` × `master`.
+/// The upper block is the slave, with `slave` × `slave` facets on `master` × `master`.
 fn compress(slave: usize, master: usize, nu: f64, how: (How, f64)) -> Errors {
     let (procedure, tolerance) = how;
     let mut model = scene::empty();
@@ -53,7 +53,7 @@ fn compress(slave: usize, master: usize, nu: f64, how: (How, f64)) -> Errors {
     scene::master(&mut model, &lower, Face::Top);
     scene::hold(&mut model, lower.face(Face::Bottom), [true; 3]);
     if nu != 0.0 {
-        // Uniform only if the solids cannot widen: uniaxial strain.
+        // The stress is uniform only if the solids cannot expand laterally: uniaxial strain.
         let top = upper.face(Face::Top);
         for block in [&lower, &upper] {
             for (faces, fixed) in [
@@ -99,7 +99,7 @@ fn compress(slave: usize, master: usize, nu: f64, how: (How, f64)) -> Errors {
     }
 }
 
-/// Area of the face that belongs to a node [mm²].
+/// Tributary area of a node of the face [mm²].
 fn tributary(x: [f64; 3], cells: usize) -> f64 {
     let edge = SIDE / cells as f64;
     let along = |x: f64| {
@@ -112,7 +112,7 @@ fn tributary(x: [f64; 3], cells: usize) -> f64 {
     along(x[0]) * along(x[1])
 }
 
-/// Forces of the elements of a block on their nodes [N]. `[node]`
+/// Forces of a block's elements on their nodes [N]. `[node]`
 fn nodal_forces(model: &Model, state: &State, block: &Block) -> Vec<[f64; 3]> {
     let mut system = System::new(model).unwrap();
     system.initial_state(model);
@@ -140,8 +140,8 @@ fn nodal_forces(model: &Model, state: &State, block: &Block) -> Vec<[f64; 3]> {
     forces
 }
 
-/// The law itself. Positions near 100 mm are rounded to 1.4e-14 mm: k_n A of a node times that is
-/// 1e-9 of the mean nodal force, and the residual cannot be asked for less.
+/// The law itself. Positions near 100 mm are rounded to 1.4e-14 mm; times k_n A of a node this is 1e-9 of the mean
+/// nodal force, a lower limit for the residual.
 const EXACT: (How, f64) = (scene::DIRECT, 1e-7);
 
 #[test]
@@ -149,7 +149,7 @@ fn matching_meshes_pass_exactly() {
     for nu in [0.0, 0.15] {
         for cells in [1, 4] {
             let errors = compress(cells, cells, nu, EXACT);
-            // The tolerance of the residual, and σ²/E² of finite strain: 2.5e-7.
+            // Tolerance: that of the residual, and σ²/E² of finite strain: 2.5e-7.
             assert!(errors.largest() < 5e-7, "{errors:?}");
         }
     }
@@ -161,8 +161,8 @@ fn the_finer_side_as_slave_passes_within_two_percent() {
         for (slave, master) in [(4, 3), (5, 4), (6, 3), (8, 3)] {
             let errors = compress(slave, master, nu, EXACT);
             println!("nu {nu}, {slave} on {master}: {errors:.4?}");
-            // The accuracy that is asked for; two points to a facet see the kinks of the master's
-            // shape functions at places that are not theirs (theory/contact.md, Decisions, One pass).
+            // The required accuracy. Two points per facet sample the kinks of the master's shape functions at wrong
+            // places (theory/contact.md, Decisions, One pass).
             assert!(errors.largest() < 0.02, "{errors:?}");
         }
     }
@@ -174,9 +174,9 @@ fn the_coarser_side_as_slave_errs_less_than_uniform_pressure_would() {
         for (slave, master, line) in [(3, 4, 0.11), (4, 5, 0.085)] {
             let errors = compress(slave, master, nu, EXACT);
             println!("nu {nu}, {slave} on {master}: {errors:.4?}");
-            // Theory C.8 gives the error of a nodal force of a line under uniform pressure; of a
-            // face it is (1 + e)² − 1 at the corners. Elastic bodies shift the pressure between the
-            // points until both sides fit, which leaves less than a tenth of it.
+            // theory/contact.md, Decisions, One pass, gives the error of a nodal force on a line under uniform
+            // pressure. On a face the error at the corners is (1 + e)² − 1. Elastic bodies redistribute the pressure
+            // between the points until both sides fit, which leaves less than a tenth of it.
             let uniform = (1.0 + line) * (1.0 + line) - 1.0;
             assert!(errors.largest() < 0.1 * uniform, "{errors:?}");
             assert!(
@@ -184,11 +184,11 @@ fn the_coarser_side_as_slave_errs_less_than_uniform_pressure_would() {
                 "the finer side would be no better: {errors:?}"
             );
         }
-        // A single facet has nothing to shift: at 1 on 2 facets the corners get
-        // (2/√3)² = 4/3 of their share, e = 2/√3 − 1 = 15 % on a line.
+        // A single facet cannot redistribute: with 1 on 2 facets the corners get (2/√3)² = 4/3 of their share, e =
+        // 2/√3 − 1 = 15 % on a line.
         let errors = compress(1, 2, nu, EXACT);
         println!("nu {nu}, 1 on 2: {errors:.4?}");
-        // Rounding of the tolerance.
+        // Tolerance: that of the residual.
         assert!((errors.master_force - 1.0 / 3.0).abs() < 1e-5, "{errors:?}");
     }
 }
@@ -201,9 +201,9 @@ fn the_shifted_penalty_passes_with_any_tolerance() {
             for tolerance in [5e-3, 2e-4] {
                 let errors = compress(slave, master, 0.0, (procedure, tolerance));
                 println!("{procedure:?} {tolerance:e}, {slave} on {master}: {errors:.4?}");
-                // Differences of pressure that the nodes hardly feel settle at the rate 1 − k'/k: of
-                // what the exact law shifts between the points, part may be missing. What is there
-                // was asked for within 2 %.
+                // Pressure differences that hardly affect the nodes decrease at the rate 1 − k'/k. Part of the
+                // redistribution that the exact law finds may be missing. The remaining error was required to be
+                // below 2 %.
                 assert!(errors.largest() < 0.02, "{errors:?} for {exact:?}");
             }
         }

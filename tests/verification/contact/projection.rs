@@ -1,4 +1,4 @@
-//! Closest points of facets against brute force and about vertices, edges and faces.
+//! Closest points of facets against brute force, and near vertices, edges and faces.
 
 use crate::common::Random;
 use nalgebra::{Rotation3, Vector3};
@@ -14,12 +14,12 @@ const UNIT: Corners = [
     [-1.0, 1.0, 0.0],
 ];
 
-/// Turned, moved and sized.
+/// The corners rotated, moved and scaled.
 fn placed(corners: &Corners, size: f64, turn: &Rotation3<f64>, at: &Vector3<f64>) -> Corners {
     corners.map(|c| (turn * (size * Vector3::from(c)) + at).into())
 }
 
-/// Distance by sampling the whole facet, then shrinking squares about the ten best samples.
+/// Distance by sampling the whole facet, then shrinking squares around the ten best samples.
 fn sampled_distance(p: &Vector3<f64>, corners: &Corners) -> f64 {
     const N: i32 = 40;
     let at = |xi: [f64; 2]| (p - point_at(corners, xi)).norm();
@@ -82,15 +82,15 @@ fn distance_equals_sampling_on_flat_and_warped_facets() {
         let p = turn * (size * Vector3::from(local));
         let found = project(&p, &corners);
         let expected = sampled_distance(&p, &corners);
-        // The sampled distance is from above, by the square of its last step over the distance, or
-        // by the step (1e-10) itself where the distance vanishes.
+        // The sampled distance is an upper bound. Its error is the square of the last step over the distance, or the
+        // step itself (1e-10) if the distance vanishes.
         let error = (found.distance - expected) / size;
         assert!(error.abs() < 1e-9, "{k}: {error:.2e} {found:?}");
         assert!((point_at(&corners, found.xi) - found.point).norm() <= 1e-14 * size * 4.0);
         assert!(found.xi.iter().all(|v| v.abs() <= 1.0));
         if found.inside {
             inside += 1;
-            // Rounding of a unit normal times the distance.
+            // Tolerance: rounding of a unit normal times the distance.
             assert!((found.gap.abs() - found.distance).abs() < 1e-12 * size);
         } else {
             outside += 1;
@@ -114,12 +114,12 @@ fn a_foot_is_where_the_perpendicular_stands() {
             ]
         });
         let xi = [1.2 * random.signed(), 1.2 * random.signed()];
-        // A point put up on the normal at ξ, nearer than any radius of curvature.
+        // A point on the normal at ξ, nearer than any radius of curvature.
         let normal = wythe::contact::frame_at(&corners, xi)[0];
         let gap = 0.1 * random.signed();
         let p = point_at(&corners, xi) + normal * gap;
         let foot = extend(&p, &corners, [0.0; 2]).expect("a foot");
-        // Rounding over the facet's curvature.
+        // Tolerance: rounding over the facet's curvature.
         assert!(
             (foot.xi[0] - xi[0]).abs() < 1e-11 && (foot.xi[1] - xi[1]).abs() < 1e-11,
             "{k}"
@@ -131,7 +131,7 @@ fn a_foot_is_where_the_perpendicular_stands() {
 
 #[test]
 fn about_vertices_edges_and_faces() {
-    // Exact distance to the square [−1, 1]² × 0, at ±1e-12 about everything that has a name.
+    // Exact distance to the square [−1, 1]² × 0, at ±1e-12 around vertices, edges and faces.
     let turn = Rotation3::new(Vector3::new(0.3, -0.7, 1.1));
     let centre = Vector3::new(3.0, -2.0, 5.0);
     for (turn, centre) in [(Rotation3::identity(), Vector3::zeros()), (turn, centre)] {
@@ -145,7 +145,7 @@ fn about_vertices_edges_and_faces() {
                 let expected = Vector3::new(out(p[0]), out(p[1]), p[2]).norm();
                 let q = turn * Vector3::from(p) + centre;
                 let found = project(&q, &corners);
-                // Rounding of coordinates of size 6.
+                // Tolerance: rounding of coordinates of size 6.
                 assert!((found.distance - expected).abs() < 8e-15, "{p:?} {found:?}");
                 assert!((found.gap - p[2]).abs() < 8e-15, "{p:?} {found:?}");
                 assert!((found.normal - turn * Vector3::z()).norm() < 1e-14);
@@ -157,7 +157,7 @@ fn about_vertices_edges_and_faces() {
 #[test]
 fn collapsed_facets_answer_with_their_closest_point() {
     let mut random = Random(33);
-    // Triangles (two corners in one, exactly and nearly), needles, points; at any size.
+    // Triangles (two coincident corners, exactly or nearly), needles and points; of any size.
     for k in 0..400 {
         let mut corners = UNIT;
         let e = [0.0, 1e-13, -1e-13, 1e-300][k / 5 % 4];
@@ -191,10 +191,10 @@ fn collapsed_facets_answer_with_their_closest_point() {
         );
         assert!((found.normal.norm() - 1.0).abs() < 1e-14);
         let expected = sampled_distance(&p, &corners);
-        // As above, from above; a vanishing distance is sampled to 1e-10.
+        // Upper bound as above; a vanishing distance is sampled to 1e-10.
         let error = (found.distance - expected) / size;
         assert!(error.abs() < 1e-9, "{k}: {error:.2e} {found:?}");
-        // A foot of a facet without area is refused, not invented.
+        // If a facet has no area, no foot is returned.
         if let Some(foot) = extend(&p, &corners, [0.0; 2]) {
             assert!(foot.xi.iter().chain([&foot.gap]).all(|v| v.is_finite()));
             assert!(k % 5 != 2 && k % 5 != 3, "{k}");

@@ -1,4 +1,4 @@
-//! The rim of a face carries another face that hangs over it.
+//! The rim of a face supports another face that projects over it.
 
 use crate::common::blocks::deck_and_model;
 use crate::common::scene::{Recording, completed};
@@ -7,7 +7,7 @@ fn run(text: &str) -> Recording {
     completed(&deck_and_model(text).1)
 }
 
-/// A soft block, pressed by `pressure` [MPa], dragged over a base of the same width: it bulges over its sides.
+/// A soft block, compressed by `pressure` [MPa] and dragged over a base of the same width; it bulges over its sides.
 fn dragged(pressure: f64, friction: f64, points: &str, mesh: &str, way: f64) -> String {
     let at = if way > 0.0 { 50 } else { 250 };
     format!(
@@ -72,7 +72,7 @@ fn a_soft_block_that_bulges_over_the_sides_of_its_base_is_dragged_by_the_coulomb
         let mut count = 0;
         for row in slides {
             count += 1;
-            // The front of a soft block digs in: its facets slope by some thousandths (10 MPa over E/2).
+            // The front of a soft block digs in: its facets have slopes of some thousandths (10 MPa over E/2).
             let error = row.force_kN.abs() / exact - 1.0;
             assert!(
                 error.abs() < 1e-2,
@@ -108,16 +108,16 @@ fn a_block_that_is_struck_slides_and_stands_with_its_face_over_the_rim() {
     ] {
         let recording = run(&struck(velocity, points));
         let last = recording.rows.last().unwrap();
-        // All that it had is worn off by friction, v²/2μg.
+        // Friction dissipates the kinetic energy over v²/2μg.
         let exact = 1e6 * velocity * velocity / (2.0 * 0.6 * 9810.0);
         let slip = last.probes[0].abs();
-        // The joint's elastic shear of 0.2 mm comes back; two hundredths of the way are numerical damping.
+        // The joint's elastic shear of 0.2 mm recovers; two hundredths of the distance are numerical damping.
         assert!(
             (slip - exact).abs() < 0.2 + 0.02 * exact,
             "{velocity} m/s: {slip} of {exact} mm"
         );
-        // Nothing sank: no work was done but the kinetic energy of 28 kg at the start (the weight of the column on its joints
-        // is a hundredth of a joule).
+        // No block sank: the only work is the initial kinetic energy of 28 kg. The settlement of the column on its
+        // joints does a hundredth of a joule.
         let sunk = last.external_work_J - 14.0 * velocity * velocity;
         assert!(sunk.abs() < 1e-2, "{velocity} m/s: {sunk} J");
         assert!(last.kinetic_energy_J < 1e-3, "{} J", last.kinetic_energy_J);

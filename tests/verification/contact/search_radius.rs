@@ -1,4 +1,4 @@
-//! The reach of contact across a gap: within it a joint carries, beyond it the bond is gone.
+//! The search radius of contact across a gap: within it a joint carries load, beyond it the bond is lost.
 
 use std::io;
 use wythe::deck::Deck;
@@ -6,7 +6,7 @@ use wythe::model::Model;
 use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow, Status};
 
-/// Keeps displacement [mm] and force [kN] of every increment.
+/// Records displacement [mm] and force [kN] of every increment.
 #[derive(Default)]
 struct Rows(Vec<[f64; 2]>);
 
@@ -46,20 +46,20 @@ fn a_gap_beyond_the_radius_ends_the_bond() {
     let (default, quiet) = pulled(None);
     let (far, quiet_too) = pulled(Some("1 mm"));
     let (near, warned) = pulled(Some("0.05 mm"));
-    // A radius below u_k = 0.2 mm is told; a larger one has no part in the answer.
+    // A radius below u_k = 0.2 mm gives a warning; a larger one does not change the result.
     assert_eq!((quiet, quiet_too, warned), (0, 0, 1));
     assert_eq!(default, far);
-    // The gap is the displacement less the bricks' stretch, below f_t/E × 116 mm = 0.003 mm.
+    // The gap is the displacement minus the elongation of the bricks, below f_t/E × 116 mm = 0.003 mm.
     let before = |rows: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        // Short of the break, around which increments are cut.
+        // Before the break, where increments are cut.
         rows.iter().copied().filter(|r| r[0] < 0.0495).collect()
     };
     assert!(before(&near).len() > 20);
     assert_eq!(before(&near), before(&default));
     let after = near.iter().filter(|r| r[0] > 0.053);
     assert!(after.clone().count() > 20);
-    // Nothing carries: what is left is within the tolerance of the iterations, 2e-2 of the mean
-    // nodal force, which counts as at least 1 % of its largest, below the peak of 5.5 kN.
+    // After the break no load is carried. The rest is within the tolerance of the iterations, 2e-2 of the mean nodal
+    // force. This counts as at least 1 % of its largest value and is below the peak of 5.5 kN.
     for [_, force] in after {
         assert!(force.abs() < 2e-2 * 1e-2 * 5.5, "{force} kN");
     }

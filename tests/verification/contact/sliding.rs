@@ -8,12 +8,12 @@ use wythe::model::scene::{BeamMotion, ContactPoints, Step};
 const MU: f64 = 0.6;
 /// Normal force [N].
 const N: f64 = 2400.0;
-/// The default of the residual.
+/// The default tolerance of the residual.
 const TOLERANCE: f64 = 5e-3;
 const LOCKED: BeamMotion = BeamMotion::Locked;
 
-/// Two blocks of 100 × 40 × 40 mm side by side, their tops the masters, and a block of
-/// 60 × 40 × 30 mm at x = 10 mm on them whose top is kept level.
+/// Two blocks of 100 × 40 × 40 mm side by side, whose tops are the masters. A block of 60 × 40 × 30 mm stands on them
+/// at x = 10 mm; its top stays level.
 fn three_blocks(e: f64, k_n: f64, points: ContactPoints) -> Model {
     let mut model = scene::empty();
     let solid = scene::elastic(e, 0.2);
@@ -38,7 +38,7 @@ fn with(mut step: Step, procedure: How) -> Step {
     step
 }
 
-/// Presses the slider on and pulls it by 120 mm, six elements and across the seam.
+/// Compresses the slider and pulls it by 120 mm, over six elements and across the seam.
 fn pull_across(model: &mut Model, procedure: How, tolerance: f64) -> Recording {
     let press = [LOCKED, LOCKED, BeamMotion::Force(-N)];
     let press = scene::step(press, 0, 1, tolerance);
@@ -50,7 +50,7 @@ fn pull_across(model: &mut Model, procedure: How, tolerance: f64) -> Recording {
     completed(model)
 }
 
-/// Largest of | |τ| − μ|σ| | over μ|σ| at points that slide, of all commits; and their number.
+/// Largest | |τ| − μ|σ| | / μ|σ| over all sliding points and accepted increments, and the number of these points.
 fn off_the_cone(recording: &Recording) -> (f64, usize) {
     let (mut worst, mut count) = (0.0_f64, 0);
     for pair in recording.states.windows(2) {
@@ -65,7 +65,7 @@ fn off_the_cone(recording: &Recording) -> (f64, usize) {
     (worst, count)
 }
 
-/// Largest deviation of force and reaction from μN and N, over them, while pulled.
+/// Largest relative deviation of force and reaction from μN and N during the pull.
 fn force_error(recording: &Recording) -> f64 {
     let rows = recording.rows.iter().filter(|r| r.step == 1);
     let error = |r: &wythe::state::HistoryRow| {
@@ -77,7 +77,7 @@ fn force_error(recording: &Recording) -> f64 {
     rows.map(error).fold(0.0, f64::max)
 }
 
-/// Positions where the seam lies under the slider: it must be crossed.
+/// Whether the seam lies below the slider at some time, which the test requires.
 fn crosses_the_seam(model: &Model, recording: &Recording) -> bool {
     let faces = |body: u32| {
         move |state: &wythe::state::State| {
@@ -107,9 +107,9 @@ fn elastic_blocks_slide_with_the_coulomb_force() {
         let force = force_error(&recording);
         println!("{points:?}: {count} points off the cone by {cone:.1e}, force by {force:.1e}");
         assert!(count > 300);
-        // The law returns |τ| = g(σ): rounding.
+        // Tolerance: the law returns |τ| = g(σ) up to rounding.
         assert!(cone < 1e-14, "{cone:e}");
-        // The tops are no longer level: slopes of σ/E = 1e-4, and a few of them.
+        // The tops are no longer level: slopes of a few times σ/E = 1e-4.
         assert!(force < 1e-3, "{force:e}");
     }
 }
@@ -122,12 +122,12 @@ fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
     let (cone, count) = off_the_cone(&recording);
     let force = force_error(&recording);
     println!("{count} points off the cone by {cone:.1e}, force by {force:.1e}");
-    // As above.
+    // Tolerance as above.
     assert!(count == 24 * 24 && cone < 1e-14, "{count}, {cone:e}");
-    // Slopes of σ/E = 1e-7, and the tolerance.
+    // Tolerance: slopes of σ/E = 1e-7, and the residual.
     assert!(force < 1e-6, "{force:e}");
-    // The points moved as the beam, less the shear of the blocks, μσ/G × 70 mm = 1e-5 mm, and the
-    // elastic slip μσ/k_s = 1e-5 mm; the slip was summed up over many facets.
+    // The points moved with the beam, minus the shear of the blocks, μσ/G × 70 mm = 1e-5 mm, and the elastic slip
+    // μσ/k_s = 1e-5 mm. The slip was accumulated over many facets.
     let last = recording.states.last().unwrap();
     for history in &last.interface {
         let [along, across] = history.slip;
@@ -137,13 +137,13 @@ fn nearly_rigid_blocks_slide_with_the_coulomb_force_exactly() {
             history.slip
         );
     }
-    // What is put in is worn off: the first μN/k_s of the way is elastic.
+    // The energy input is dissipated by friction, except for the first μN/k_s of the path, which is elastic.
     let energies = &last.energies;
     let missing = 1.0 - energies.interface / (MU * N * 120.0);
     let balance = (energies.external - energies.elastic - energies.interface) / energies.external;
     println!("dissipation short by {missing:.1e}, balance {balance:.1e}");
-    // From stick to slip the force rises within the first increment of 5 mm, for which the
-    // trapezoidal rule takes half of μN: half of 5 mm in 120.
+    // The force rises from stick to slip within the first increment of 5 mm, for which the trapezoidal rule counts
+    // half of μN: half of 5 mm in 120.
     assert!((missing - 2.5 / 120.0).abs() < 1e-3, "{missing:e}");
     assert!(balance.abs() < 1e-3, "{balance:e}");
 }
@@ -156,12 +156,12 @@ fn the_default_procedure_slides_with_the_coulomb_force() {
     let (cone, count) = off_the_cone(&recording);
     let force = force_error(&recording);
     println!("{count} points off the cone by {cone:.1e}, force by {force:.1e}");
-    // Each point is off the cone by the change of its normal traction in the last iteration, the
-    // sum by the tolerance, 5e-3 of a nodal force of some μN/40.
+    // Each point deviates from the cone by the change of its normal traction in the last iteration. The sum deviates
+    // by the tolerance, 5e-3 of a nodal force of some μN/40.
     assert!(force < 1e-3, "{force:e}");
 }
 
-/// Presses the slider on, holds its height, and moves it by `way` in x; then what `more` says.
+/// Compresses the slider, holds its height, and then applies `moves` (displacement, increments).
 fn move_level(model: &mut Model, procedure: How, moves: &[([f64; 3], usize)]) -> Recording {
     let press = [LOCKED, LOCKED, BeamMotion::Force(-N)];
     model
@@ -183,8 +183,8 @@ fn move_level(model: &mut Model, procedure: How, moves: &[([f64; 3], usize)]) ->
     completed(model)
 }
 
-/// No force [kN]: when forces vanish, the tolerance is 5e-3 of a hundredth of the largest mean nodal
-/// force, here 0.01 N at a node.
+/// Zero force [kN]: if forces vanish, the tolerance is 5e-3 of a hundredth of the largest mean nodal force, here 0.01
+/// N per node.
 const NOTHING: f64 = 1e-4;
 
 const PROCEDURES: [How; 4] = [
@@ -194,7 +194,7 @@ const PROCEDURES: [How; 4] = [
     scene::IMPLEX,
 ];
 
-/// Force over μ times the reaction, less one.
+/// Ratio of the force to μ times the reaction, minus one.
 fn off_friction(row: &wythe::state::HistoryRow) -> f64 {
     row.force_kN / (MU * row.reaction_kN) - 1.0
 }
@@ -209,14 +209,14 @@ fn a_block_that_slides_off_an_edge_loses_contact_without_an_error() {
                 // The slider's end is at 70 mm + displacement, the edge at 200 mm.
                 let name = format!("{procedure:?} {points:?} {:.1} mm", row.displacement_mm);
                 if row.displacement_mm < 180.0 {
-                    // Some of its points are on: all of them slide. Tolerance of the residual, 5e-3
-                    // of a nodal force, a tenth of the reaction when few elements carry.
+                    // Some of its points are in contact, and all of these slide. Tolerance of the residual: 5e-3 of a
+                    // nodal force, which is a tenth of the reaction when few elements carry.
                     assert!(
                         row.reaction_kN > 0.1 && off_friction(row).abs() < 2e-3,
                         "{name}: {row:?}"
                     );
                 } else if row.displacement_mm > 191.0 {
-                    // Nothing carries.
+                    // No load is carried.
                     assert!(
                         row.force_kN.abs() + row.reaction_kN.abs() < NOTHING,
                         "{name}: {row:?}"
@@ -241,15 +241,15 @@ fn a_point_that_opens_and_closes_again_carries_load_again() {
             let mut model = three_blocks(1e4, 125e3, points);
             let rows = move_level(&mut model, procedure, &moves).rows;
             let name = format!("{procedure:?} {points:?}");
-            // In the air.
+            // The slider is lifted.
             for row in rows.iter().filter(|r| r.step == 1 || r.step == 2) {
                 assert!(
                     row.force_kN.abs() + row.reaction_kN.abs() < NOTHING,
                     "{name}: {row:?}"
                 );
             }
-            // Down again, elsewhere: as much as was pressed out, on a base that is softer near its
-            // edges by some per cent, and without shear but for what its bulging gives.
+            // Lowered again at another place, with the same displacement. The base is softer near its edges by some
+            // per cent, and the only shear comes from lateral expansion.
             let down = rows.iter().rfind(|r| r.step == 3).unwrap();
             assert!(
                 (down.reaction_kN * 1e3 / N - 1.0).abs() < 0.05,
@@ -262,7 +262,7 @@ fn a_point_that_opens_and_closes_again_carries_load_again() {
             assert_eq!(down.sliding_points, 0, "{name}");
             // It sticks and then slides.
             for row in rows.iter().filter(|r| r.step == 4) {
-                // As above.
+                // Tolerance as above.
                 assert!(off_friction(row).abs() < 2e-3, "{name}: {row:?}");
             }
         }
@@ -280,7 +280,8 @@ fn a_bonded_block_that_was_torn_off_comes_back_without_its_bond() {
         };
         model.contact.laws = vec![law.into()];
         let moves = [
-            // Beyond u_k = 0.2 mm but in sight, and back; then beyond what is looked at, and back.
+            // Opened beyond u_k = 0.2 mm but within the search radius, and back; then beyond the search radius, and
+            // back.
             ([0.0, 0.0, 0.5], 20),
             ([0.0, 0.0, -0.5], 5),
             ([0.0, 0.0, 3.0], 5),
@@ -296,20 +297,20 @@ fn a_bonded_block_that_was_torn_off_comes_back_without_its_bond() {
             .map(|r| -r.reaction_kN)
             .fold(0.0, f64::max);
         let area = 60.0 * 40.0;
-        // The law's f_t A is not reached by all points at once, nor met by an increment.
+        // The law's f_t A is not reached by all points at once, nor exactly by an increment.
         assert!(
             most > 0.5 * 0.28e-3 * area && most < 0.28e-3 * area,
             "{procedure:?}: {most}"
         );
         assert!(end(1).reaction_kN.abs() < NOTHING && end(1).max_interface_damage == 1.0);
-        // Nothing pulls any more.
+        // No tension is carried any more.
         assert!(
             rows.iter()
                 .filter(|r| r.step > 1)
                 .all(|r| r.reaction_kN > -NOTHING)
         );
         for step in [2, 4] {
-            // The same place and height: what the preload has slid without damage is not undone.
+            // The same place and height: the slip of the preload without damage remains.
             let back = end(step).reaction_kN * 1e3 / N - 1.0;
             assert!(back.abs() < 1e-2, "{procedure:?}: {back:e}");
         }

@@ -11,7 +11,7 @@ use wythe::contact::{
 /// Slave corners 0 to 3, master corners 4 to 7 [mm].
 type Nodes = [[f64; 3]; 8];
 
-/// One configuration with a linear law about it.
+/// One configuration with a law that is linear around it.
 struct Case {
     nodes: Nodes,
     weights: [f64; 4],
@@ -89,7 +89,7 @@ fn entry(cell: &[f64], a: usize, i: usize, b: usize, j: usize) -> f64 {
 #[test]
 fn exact_stiffness_equals_central_differences() {
     let mut random = Random(41);
-    // Flat, warped; touching, penetrating, open; without and with large slip.
+    // Flat or warped; touching, penetrating or open; without slip or with large slip.
     for warp in [0.0, 0.05, 0.2] {
         for height in [0.0, -0.02, 0.3] {
             for slip in [0.0, 0.9] {
@@ -112,8 +112,8 @@ fn exact_stiffness_equals_central_differences() {
                                 for i in 0..3 {
                                     let difference = (up[a][i] - down[a][i]) / (2.0 * h);
                                     let error = (difference - entry(&cell, a, i, b, j)).abs();
-                                    // h² times third derivatives (curvature over 2 mm), and
-                                    // rounding 1e-15/h: 1e-9 to 1e-10 each.
+                                    // Tolerance: h² times third derivatives (curvature over 2 mm), and rounding
+                                    // 1e-15/h: 1e-9 to 1e-10 each.
                                     assert!(
                                         error < 1e-8 * largest,
                                         "warp {warp}, height {height}, slip {slip}: {error:.1e} \
@@ -133,7 +133,7 @@ fn exact_stiffness_equals_central_differences() {
 fn material_stiffness_is_the_exact_one_of_an_unloaded_joint() {
     let mut random = Random(42);
     for _ in 0..50 {
-        // Without traction, gap and slip nothing geometric is left.
+        // Without traction, gap and slip there is no geometric stiffness.
         let mut case = case(&mut random, 0.2, 0.0, 0.0);
         let kin = case.kinematics(&case.nodes);
         let [.., m0, m1, m2, m3] = case.nodes;
@@ -149,7 +149,7 @@ fn material_stiffness_is_the_exact_one_of_an_unloaded_joint() {
         assert!(kin.gap.abs() < 1e-14 && kin.slip.iter().all(|s| s.abs() < 1e-14));
         assert!(foot.iter().all(|v| v.is_finite()));
         let (mut material, mut exact) = (vec![0.0; 24 * 24], vec![0.0; 24 * 24]);
-        // Two halves make the whole.
+        // Two halves sum to the whole.
         let half = kin.stiffness(&case.tangent, 0.5 * case.area);
         write_stiffness(&[half; 2], &mut material);
         kin.add_exact_stiffness(&[0.0; 3], &case.tangent, case.area, &mut exact);
@@ -158,7 +158,7 @@ fn material_stiffness_is_the_exact_one_of_an_unloaded_joint() {
                 for i in 0..3 {
                     for j in 0..3 {
                         let k = entry(&material, a, i, b, j);
-                        // Rounding of entries of size 10.
+                        // Tolerance: rounding of entries of size 10.
                         assert!((k - entry(&exact, a, i, b, j)).abs() < 1e-12);
                         assert!((k - entry(&material, b, j, a, i)).abs() < 1e-13);
                     }
@@ -196,19 +196,19 @@ fn the_force_works_on_the_gap_and_is_in_balance() {
             .zip(&motion)
             .map(|(f, v)| (0..3).map(|i| f[i] * v[i]).sum::<f64>())
             .sum();
-        // Central difference: rounding 1e-15/h and h².
+        // Tolerance of the central difference: rounding 1e-15/h and h².
         assert!(
             (power - sigma * rate * case.area).abs() < 1e-8,
             "{power} {rate}"
         );
-        // Action and reaction of the full traction; moments too where it acts along one line.
+        // Forces of the full traction are in equilibrium; moments as well if it acts along one line.
         let mut sum = Vector3::zeros();
         let mut moment = Vector3::zeros();
         for (x, f) in case.nodes.iter().zip(&force) {
             sum += Vector3::from(*f);
             moment += Vector3::from(*x).cross(&Vector3::from(*f));
         }
-        // Rounding of forces of 5 N.
+        // Tolerance: rounding of forces of 5 N.
         assert!(sum.norm() < 1e-14 && moment.norm() < 1e-13);
         let mut whole = [[0.0; 3]; 8];
         kin.add_force(&case.traction, case.area, &mut whole);
@@ -226,7 +226,7 @@ fn rigid_motion_changes_no_gap_and_turns_the_force() {
         let by = Vector3::from([0, 1, 2].map(|_| 3.0 * random.signed()));
         let moved = case.nodes.map(|x| (turn * Vector3::from(x) + by).into());
         let (a, b) = (case.kinematics(&case.nodes), case.kinematics(&moved));
-        // Rounding of coordinates of 5 mm through the projection.
+        // Tolerance: rounding of coordinates of 5 mm through the projection.
         assert!((a.gap - b.gap).abs() < 1e-13);
         assert!((0..2).all(|k| (a.slip[k] - b.slip[k]).abs() < 1e-13));
         let mut forces = [[[0.0; 3]; 8]; 2];
@@ -240,7 +240,7 @@ fn rigid_motion_changes_no_gap_and_turns_the_force() {
 
 #[test]
 fn slip_is_measured_from_the_anchor() {
-    // A flat master of 4 mm × 2 mm: slip is the way along ξ and η, the gap the height.
+    // A flat master of 4 mm × 2 mm: slip is the path along ξ and η, the gap is the height.
     let master = [
         [0.0, 0.0, 0.0],
         [4.0, 0.0, 0.0],
@@ -282,10 +282,10 @@ fn points_integrate_facets() {
             gauss_points(&corners, &Part::WHOLE),
             corner_points(&corners, &Part::WHOLE),
         );
-        // |a₁ × a₂| is linear over a flat facet, both rules integrate it: rounding.
+        // a₁ × a₂| is linear over a flat facet, so that both rules integrate it up to rounding.
         assert!((sum(&gauss) - area).abs() < 1e-12 * area);
         assert!((sum(&corner) - area).abs() < 1e-12 * area);
-        // First moments ∫ N_a dA are exact by Gauss: partition of unity and linear weight.
+        // First moments ∫ N_a dA are exact by Gauss quadrature: partition of unity and linear weight.
         for p in gauss.iter().chain(&corner) {
             assert!((p.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
         }
@@ -303,7 +303,7 @@ fn points_integrate_facets() {
         };
         let exact = third(a, b, c) + third(a, c, d);
         assert!((moment - exact).norm() < 1e-11 * area);
-        // The corners lie 1e-6 of the half facet inside.
+        // The corner points lie inside by 1e-6 of the half facet.
         for (k, p) in corner.iter().enumerate() {
             let x: Vector3<f64> = (0..4)
                 .map(|a| p.weights[a] * Vector3::from(corners[a]))

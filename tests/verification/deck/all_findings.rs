@@ -1,4 +1,4 @@
-//! Every error of a deck comes at once, in its place, and none that only follows from another.
+//! All errors of a deck are reported at once, each at its place, without errors that only follow from others.
 
 use crate::common::blocks::{GRAVITY, HEAD, PAIR};
 use wythe::deck::Deck;
@@ -13,7 +13,7 @@ fn refused(text: &str) -> ModelError {
         .expect_err("the deck is bad")
 }
 
-/// `good` with each `from` (its last one) replaced by its `to`.
+/// The deck `good` with the last occurrence of each `from` replaced by its `to`.
 fn changed(good: &str, changes: &[(&str, &str)]) -> String {
     let mut text = good.to_owned();
     for (from, to) in changes {
@@ -23,7 +23,7 @@ fn changed(good: &str, changes: &[(&str, &str)]) -> String {
     text
 }
 
-/// The keys that are wrong after these changes, in the order in which they are told.
+/// Wrong keys after these changes, in the order in which they are reported.
 fn keys(good: &str, changes: &[(&str, &str)]) -> Vec<String> {
     let error = refused(&changed(good, changes));
     for error in error.all() {
@@ -74,7 +74,7 @@ fn the_form_is_read_to_its_end() {
     );
 }
 
-/// A misspelt key is not missing, too; a step of no known kind has no keys of another.
+/// A misspelt key is not also reported as missing. In a step of unknown kind no other keys are checked.
 #[test]
 fn what_follows_from_an_error_is_not_told() {
     for (change, key) in [
@@ -153,7 +153,7 @@ fn names_of_nothing_are_part_of_the_form() {
             "supports.0.on",
         ]
     );
-    // Where a name could not be read, no other is called unknown.
+    // If a name could not be read, no use of a name is reported as unknown.
     let found = keys(
         &scene,
         &[("name = \"top\"", "name = 3"), ("nu = 0.2", "nu = 2")],
@@ -184,8 +184,7 @@ fn lines_that_are_no_toml_do_not_hide_the_others() {
     );
 }
 
-/// Softening of both materials that snaps back, a probe far away, a tilt without gravity; and the
-/// warnings besides.
+/// Snap-back of both materials, a distant probe, a tilt without gravity, and the warnings in addition.
 #[test]
 fn the_physics_is_judged_to_its_end() {
     let probe = "[[probes]]\nname = \"far\"\nnear = [\"1 km\", 0, 0]\ndirection = \"x\"\n\n[wall]";
@@ -255,7 +254,7 @@ fn overrides_are_told_after_the_file() {
     assert_eq!(files.len(), 4);
 }
 
-/// What stands in for each key is right: a deck of nothing but wrong values is told key by key.
+/// The placeholder values are valid: a deck with only wrong values is reported key by key.
 #[test]
 fn every_key_can_be_wrong_at_once() {
     let scene = format!("{HEAD}{PAIR}{GRAVITY}");

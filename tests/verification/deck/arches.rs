@@ -1,4 +1,4 @@
-//! Scenes of arches: what a deck builds, and what it refuses.
+//! Arch scenes: models from decks, and rejected decks.
 
 use crate::common::blocks::{
     GRAVITY, HEAD, ROUNDING, area_vector, model, nodes, norm, normals_point_out, volume,
@@ -19,7 +19,7 @@ interface = "dry"
 mesh = [2, 1, 3]
 "#;
     let model = model(arch, GRAVITY);
-    // A flat-faced voussoir is a prism: ½ (r_o² − r_i²) sin β × width with β = π/7.
+    // A flat-faced voussoir is a prism with the volume ½ (r_o² − r_i²) sin β × width, β = π/7.
     let beta = std::f64::consts::PI / 7.0;
     let exact = 0.5 * (1052.5_f64.powi(2) - 947.5_f64.powi(2)) * beta.sin() * 200.0;
     for body in 0..7 {
@@ -29,7 +29,7 @@ mesh = [2, 1, 3]
             "{found} is not {exact}"
         );
     }
-    // The springings: t deep, 1.5 t along the radius.
+    // The springings: depth t, 1.5 t along the radius.
     for body in [7, 8] {
         let exact = 105.0 * 157.5 * 200.0;
         assert!((volume(&model, body) - exact).abs() <= exact * ROUNDING);
@@ -38,13 +38,13 @@ mesh = [2, 1, 3]
     // 8 joints of 1 × 3 facets; the masters of the springings are single facets
     assert_eq!(model.contact.slave_facets.len(), 24);
     assert_eq!(model.contact.master_facets.len(), 6 * 3 + 2);
-    // Facets of slaves cover the 8 joints of t × width.
+    // Slave facets cover the 8 joints of t × width.
     let area: f64 = (model.contact.slave_facets.iter())
         .map(|f| norm(area_vector(nodes(&model, *f))))
         .sum();
     let exact = 8.0 * 105.0 * 200.0;
     assert!((area - exact).abs() <= exact * ROUNDING);
-    // Neighbours have their joint in the same place, to the bit.
+    // Adjacent voussoirs have bitwise equal joint positions.
     let on_masters: Vec<[f64; 3]> = (model.contact.master_facets.iter())
         .flat_map(|f| nodes(&model, *f))
         .collect();
@@ -75,7 +75,7 @@ mesh = [2, 1, 3]
     assert_eq!(same.mesh.nodes, model.mesh.nodes);
 }
 
-/// What is replaced in a good arch, by what, the key of the error, part of it.
+/// Replaced text of a valid arch, its replacement, the key of the error, part of the error.
 const BAD_ARCHES: &[(&str, &str, &str, &str)] = &[
     (
         "radius = 1000",
@@ -156,7 +156,7 @@ fn bad_arches_name_the_key() {
     }
 }
 
-/// A segmental arch by its span and rise: the clear ones of the intrados.
+/// A segmental arch given by the clear span and rise of its intrados.
 #[test]
 fn an_arch_has_the_span_and_rise_that_are_said() {
     let arch = r#"
@@ -171,7 +171,7 @@ interface = "dry"
 "#;
     let deck = crate::common::blocks::deck(&format!("{HEAD}{arch}{GRAVITY}"));
     let own = deck.arch.as_ref().unwrap();
-    // s²/4 + f² = 2 r f: r = 1250 mm, and half the angle has the sine 1000/1250.
+    // s²/4 + f² = 2 r f: r = 1250 mm; the sine of half the angle is 1000/1250.
     assert!(
         (own.centre_line() - 1325.0).abs() < 1e-9,
         "{}",
@@ -190,7 +190,7 @@ interface = "dry"
     let least = |d: usize| intrados.iter().map(|x| x[d]).fold(f64::INFINITY, f64::min);
     assert!((most(0) - least(0) - 2000.0).abs() < 1e-9);
     assert!((most(2) - least(2) - 500.0).abs() < 1e-9);
-    // A rise of half the span is a semicircle.
+    // A rise of half the span gives a semicircle.
     let half = arch.replace("rise = 500", "rise = 1000");
     let deck = crate::common::blocks::deck(&format!("{HEAD}{half}{GRAVITY}"));
     assert!((deck.arch.unwrap().embrace() - std::f64::consts::PI).abs() < 1e-12);

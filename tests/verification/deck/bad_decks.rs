@@ -1,4 +1,4 @@
-//! Every wrong deck gives an error that names the file, the line, the key, the reason and the fix.
+//! Every invalid deck gives an error with file, line, key, reason and fix.
 
 use std::path::Path;
 use wythe::deck::Deck;
@@ -298,7 +298,7 @@ fn each_names_key_line_reason_and_fix() {
         assert!(found.starts_with(line), "{name}: points at `{found}`");
         assert!(error.advice().contains(help), "{name}: {}", error.advice());
         assert_eq!(error.key(), key, "{name}");
-        // Here the key that was meant is missing, too.
+        // The intended key is also reported as missing.
         let others = error
             .others()
             .iter()

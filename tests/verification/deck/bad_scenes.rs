@@ -1,9 +1,9 @@
-//! Scenes of blocks that a deck refuses.
+//! Block scenes with rejected decks.
 
 use crate::common::blocks::{Bad, GRAVITY, HEAD, PAIR, deck, refuses};
 use wythe::model::Model;
 
-/// What is replaced in the good scene, by what, the key of the error, part of it, part of the advice.
+/// Replaced text of the valid scene, its replacement, the key of the error, part of it, part of the advice.
 const BAD: &[Bad] = &[
     (
         "name = \"top\"",

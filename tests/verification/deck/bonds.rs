@@ -1,5 +1,5 @@
-//! Bonds, leaves, openings, corners, dry and partly filled joints: the units of a wall fill it without gaps
-//! or overlaps, and every face between two of them is an interface exactly once.
+//! Bonds, leaves, openings, corners, dry and partly filled joints. The units fill the wall without gaps or overlaps,
+//! and every face between two units is an interface exactly once.
 
 use crate::common::blocks::{area_vector, nodes, norm};
 use crate::common::boxes::{Box3, bodies, element_box, volume};
@@ -37,7 +37,7 @@ mu = 0.6
 
 const STEP: &str = "[[steps]]\nkind = \"gravity\"\n";
 
-/// British bricks: two thicknesses and a joint make a length.
+/// British bricks: twice the thickness plus a joint is the length.
 const BRICK: &str = "unit = [215, 102.5, 65]
 bed_joint = 10
 head_joint = 10
@@ -67,7 +67,7 @@ fn area(model: &Model, facet: [u32; 4]) -> f64 {
     norm(area_vector(nodes(model, facet)))
 }
 
-/// Area where the bodies touch each other [mm²], from their boxes alone.
+/// Area over which the bodies touch [mm²], computed from their boxes.
 fn touching(boxes: &[Box3]) -> f64 {
     let mut sum = 0.0;
     for (i, a) in boxes.iter().enumerate() {
@@ -86,13 +86,13 @@ fn touching(boxes: &[Box3]) -> f64 {
     sum
 }
 
-/// The units fill `solid` mm³ of the wall without overlaps, elements fill their bodies, and slave facets
-/// cover what touches and nothing else.
+/// Checks that the units fill `solid` mm³ of the wall without overlaps, that elements fill their bodies, and that
+/// slave facets cover exactly the touching faces.
 fn fills(model: &Model, solid: f64) {
     let mesh = &model.mesh;
     let boxes = bodies(mesh);
     let sum: f64 = boxes.iter().map(|b| volume(*b)).sum();
-    // Sums of some thousand products of coordinates with twelve digits behind the point.
+    // Tolerance: sums of some thousand products of coordinates with twelve decimals.
     assert!((sum - solid).abs() < 1e-9 * solid, "{sum} of {solid}");
     let elements: f64 = (0..mesh.elements.len())
         .map(|e| volume(element_box(mesh, e)))
@@ -114,7 +114,7 @@ fn fills(model: &Model, solid: f64) {
 
 #[test]
 fn every_bond_fills_the_wall() {
-    // 5 whole stretchers, and 4½.
+    // 5 whole stretchers, or 4½.
     for length in [1115.0, 1002.5] {
         for (bond, thickness) in [
             ("bond = \"stretcher\"", 102.5),
@@ -137,7 +137,7 @@ fn every_bond_fills_the_wall() {
     }
 }
 
-/// Head joints of an English bond lie a quarter of a pitch beside those below.
+/// Head joints of an English bond are offset by a quarter of a pitch from those below.
 #[test]
 fn headers_lap_by_a_quarter() {
     for (bond, length) in [("english", 1115.0), ("flemish", 1227.5)] {
@@ -151,7 +151,7 @@ fn headers_lap_by_a_quarter() {
     }
 }
 
-/// Rubble between two leaves of different stones, tied by headers.
+/// Rubble between two leaves of different stones, connected by headers.
 #[test]
 fn a_written_bond_fills_the_wall() {
     let pattern = "bond = \"pattern\"
@@ -194,9 +194,9 @@ fn openings_are_empty_and_lintels_span_them() {
             .map(|e| volume(element_box(mesh, e)))
             .sum();
         let thickness = if bond == "stretcher" { 102.5 } else { 215.0 };
-        // Exact but for rounding.
+        // Exact up to rounding.
         assert!((lintel - 532.5 * thickness * 65.0).abs() < 1e-3, "{lintel}");
-        // Nothing stands in the opening but the bed joint of its sill and units ends within a joint of it.
+        // The opening is empty except for the bed joint of its sill and unit ends within a joint's width.
         let inside = [[347.5, 0.0, 160.0], [655.0, thickness, 374.0]];
         for body in bodies(mesh) {
             assert!(overlap(body, inside) < 1e-6, "{bond}: {body:?}");
@@ -216,10 +216,10 @@ fn slivers_beside_an_opening_are_refused() {
     assert!(error.message().contains("course 2"), "{error}");
 }
 
-/// An L and a T: the units of the two walls interlock, and their joints are filled.
+/// A corner and a T-junction: the units of the two walls interlock, and their joints are filled.
 #[test]
 fn walls_that_meet_interlock() {
-    // Corner: the second wall begins within the first one's end; T: in its middle.
+    // Corner: the second wall starts at the end of the first one. T: it starts in its middle.
     for at in [900.0, 450.0] {
         let walls = format!(
             "[wall]\nclamped = false\n{BRICK}length = 1002.5\ncourses = 4\n[[walls]]\nname = \"return\"\nalong = \
@@ -230,7 +230,8 @@ fn walls_that_meet_interlock() {
         let height = 4.0 * 65.0 + 3.0 * 10.0;
         let plan = 1002.5 * 102.5 + 777.5 * 102.5 - 102.5 * 102.5;
         fills(&model, plan * height);
-        // In every course a unit of one wall stands against one of the other; courses count anew in the second wall.
+        // In every course a unit of one wall touches one of the other; courses of the second wall are counted
+        // separately.
         let boxes = bodies(&model.mesh);
         let mut course = vec![0; boxes.len()];
         for (unit, k) in model.mesh.unit.iter().zip(&model.mesh.course) {
@@ -266,7 +267,7 @@ on = \"wall.bottom\"";
     let model = model(wall);
     assert_eq!(model.materials.len(), 1);
     fills(&model, 1000.0 * 100.0 * 250.0);
-    // 5 units in even courses, 6 in odd ones; two elements a whole unit, one a half.
+    // 5 units in even courses, 6 in odd ones; two elements per whole unit, one per half.
     assert_eq!(model.mesh.elements.len(), 5 * 10);
 }
 
@@ -286,7 +287,7 @@ fn head_joints_are_filled_as_far_as_said() {
     let heads = 3.0 * 4.0 * 10.0 * 102.5 * 65.0;
     for filling in [0.0, 0.3, 0.8] {
         let part = mortar(&wall(filling));
-        // Rounding of some hundred products.
+        // Tolerance: rounding of some hundred products.
         assert!(
             (full - part - (1.0 - filling) * heads).abs() < 1e-3,
             "{filling}: {part} of {full}"
@@ -294,7 +295,7 @@ fn head_joints_are_filled_as_far_as_said() {
     }
 }
 
-/// As much mortar, at the face that is said.
+/// The same amount of mortar, at the given face.
 #[test]
 fn head_joints_are_filled_from_the_face_that_is_said() {
     for (from, at) in [("front", [0.0, 30.75]), ("back", [71.75, 102.5])] {
@@ -307,7 +308,7 @@ fn head_joints_are_filled_from_the_face_that_is_said() {
             .filter(|e| mesh.material[*e] == 1)
             .map(|e| element_box(mesh, e))
             .collect();
-        // One joint, one element high, in length and in depth: all of 30 % of 102.5 mm.
+        // One joint, one element in height, length and depth: 30 % of 102.5 mm.
         assert_eq!(mortar.len(), 1, "{mortar:?}");
         let [low, high] = mortar[0];
         assert!(

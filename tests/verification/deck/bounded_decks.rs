@@ -1,4 +1,4 @@
-//! A deck that asks for far too much is refused before anything is laid out: in little time and little memory.
+//! A deck with excessive sizes is rejected before geometry is generated, with bounded time and memory.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -7,8 +7,8 @@ use wythe::deck::{Deck, check};
 use wythe::error::{MOST_ERRORS, ModelError};
 use wythe::model::Model;
 
-/// `wythe check` ends within 10 s on any deck below 1 MB; on a machine that is busy with other tests a deck that takes a
-/// second has been seen to take half a minute, and one that is not bounded takes hours.
+/// `wythe check` must end within 10 s on any deck below 1 MB. On a machine that is busy with other tests a deck that
+/// takes a second has taken half a minute; without bounds a check takes hours.
 const LIMIT: Duration = Duration::from_secs(120);
 
 fn text(example: &str) -> String {
@@ -16,7 +16,7 @@ fn text(example: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Whatever `wythe check` does with a deck.
+/// Runs the same steps as `wythe check`.
 fn judged(text: &str, set: &[(&str, &str)]) -> Result<(), ModelError> {
     let set: Vec<(String, String)> = set
         .iter()
@@ -115,7 +115,7 @@ fn lengths_and_counts_are_judged_before_anything_is_laid_out() {
     }
 }
 
-/// What was 65,536 elements squared.
+/// Pairing 65,536 elements had quadratic cost.
 #[test]
 fn a_unit_of_very_many_elements_is_paired_in_little_time() {
     let mesh = [
@@ -136,7 +136,7 @@ fn a_unit_of_very_many_elements_is_paired_in_little_time() {
             ("wall.courses", "2"),
             ("wall.length", "204"),
         ];
-        // What it says of the physics of such elements does not matter here.
+        // The findings about the physics of such elements do not matter here.
         let _ = judged(&text("81_prism"), &set);
     }
 }
@@ -207,7 +207,7 @@ fn blocks(count: usize, place: impl Fn(usize) -> String) -> String {
 
 #[test]
 fn very_many_blocks_are_judged_wherever_they_stand() {
-    // All in one place: each overlaps each.
+    // All blocks at one place: each overlaps every other.
     assert!(judged(&blocks(10_000, |_| "[0, 0, 0]".to_owned()), &[]).is_err());
     // A tower, a wall normal to x, a cube.
     judged(&blocks(6_000, |i| format!("[0, 0, {i}]")), &[]).unwrap();

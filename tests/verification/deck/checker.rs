@@ -1,10 +1,10 @@
-//! What `check` tells of a deck before it runs: sizes, energies, warnings, and what is too large.
+//! Findings of `check` before a run: sizes, energies, warnings, and limits.
 
 use crate::common::examples::{load, path};
 use wythe::deck::{Deck, check};
 use wythe::model::Model;
 
-/// Two elements through the thickness are too few for a wall that bends, and enough for one that is sheared.
+/// Two elements through the thickness are too few for a wall in bending, and enough for a wall in shear.
 #[test]
 fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     let told = |name: &str, overrides: &[(&str, &str)]| {
@@ -23,14 +23,14 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     assert_eq!(told("03_shear_wall_j7d", &[]), None);
     assert!(told("03_shear_wall_j7d", &[across, ("wall.mesh", "coarse")]).is_some());
 
-    // What says nothing of it has three.
+    // The default is three elements.
     let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
     let silent = Deck::from_str(&text.replace("mesh = \"coarse\"", ""), "wall.toml").unwrap();
     assert_eq!(silent.wall.unwrap().mesh.thickness, 2);
     let mesh = |overrides| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
     assert_eq!(mesh(&[]).thickness, 3);
     assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
-    // The joints of any wall with mortar are a tenth as stiff as others, if nothing is said of these.
+    // The default stiffness of joints in walls with mortar is a tenth of that of other joints.
     let factor = |name: &str, overrides: &[(&str, &str)]| {
         load(name, overrides).interfaces["joint"].penalty()
     };
@@ -39,7 +39,7 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
     assert_eq!(factor("62_out_of_plane_wall", &[said]), 500.0);
     assert_eq!(factor("03_shear_wall_j7d", &[]), 50.0);
     assert_eq!(factor("03_shear_wall_j7d", &[said]), 500.0);
-    // In general contact a stiff joint is what stops bodies that fly; a dry wall has that of theory/joint.md, eq. 32.
+    // In general contact a stiff joint stops flying bodies; a dry wall has the stiffness of theory/joint.md, eq. 32.
     assert_eq!(factor("90_falling_wall", &[]), 500.0);
     let text = std::fs::read_to_string(path("63_dry_stone_wall")).unwrap();
     let silent = |line: &&str| !line.contains("_stiffness = ");
@@ -53,7 +53,7 @@ fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
 
 #[test]
 fn the_checker_reports_sizes_energies_and_warnings() {
-    // Memory was measured of the whole.
+    // Memory was measured without the symmetry reduction.
     let deck = load("03_shear_wall_j7d", &[("fidelity", "full")]);
     let (model, warnings) = Model::from_deck(&deck).unwrap();
     let report = check(&deck, &model);
@@ -63,7 +63,8 @@ fn the_checker_reports_sizes_energies_and_warnings() {
         report.sizes.contact_points,
         4 * model.contact.slave_facets.len()
     );
-    // Measured peak of a run: 124 MB; 443 MB with the fine mesh. A quarter, for what runs differ by and what is simple.
+    // Measured peak of a run: 124 MB; 443 MB with the fine mesh. A quarter is allowed for differences between runs
+    // and for the simplicity of the estimate.
     let of_fine = |d: Deck| check(&d, &Model::from_deck(&d).unwrap().0).memory_mb;
     let full = ("fidelity", "full");
     let fine = of_fine(load("03_shear_wall_j7d", &[("wall.mesh", "fine"), full]));
@@ -74,7 +75,7 @@ fn the_checker_reports_sizes_energies_and_warnings() {
             "{estimate} MB for {measured} MB"
         );
     }
-    // Halves, with the question whether they stay ones: 92 and 323 MB. A large wall: 427 MB.
+    // Halves, with the check of stability by symmetry: 92 and 323 MB. A large wall: 427 MB.
     for (estimate, measured) in [
         (of_fine(load("03_shear_wall_j7d", &[])), 92.0),
         (
@@ -86,7 +87,7 @@ fn the_checker_reports_sizes_energies_and_warnings() {
         let ratio: f64 = estimate / measured;
         assert!((ratio - 1.0).abs() < 0.1, "{estimate} MB for {measured} MB");
     }
-    // The weight of one of a million unknowns wants factors of double precision: 11,086 MB, a tenth as above.
+    // With a million unknowns the factors need double precision: 11,086 MB, a tenth as above.
     let huge = [full, ("wall.length", "43287.5"), ("wall.courses", "100")];
     let deck = load("70_large_wall", &huge);
     let told = check(&deck, &Model::from_deck(&deck).unwrap().0);
@@ -135,7 +136,7 @@ fn the_checker_reports_sizes_energies_and_warnings() {
             "interfaces.joint.shear_stiffness"
         ]
     );
-    // Explicit stiffnesses leave a factor without effect, the default's, too.
+    // With explicit stiffnesses a penalty factor has no effect, including the default.
     let explicit = [
         ("interfaces.joint.normal_stiffness", "100"),
         ("interfaces.joint.shear_stiffness", "50"),
@@ -167,7 +168,8 @@ fn the_checker_reports_sizes_energies_and_warnings() {
     assert_eq!(warnings[0].line, Some(line));
 }
 
-/// Where no displacement drives or steers there is no peak to see, nor where inertia or a path says how far.
+/// No peak control is reported without a prescribed or controlled displacement, or if inertia or path following sets
+/// the size of the increments.
 #[test]
 fn a_peak_is_seen_by_what_drives_or_steers() {
     let keys = |name: &str, set: &[(&str, &str)]| -> Vec<String> {
@@ -209,8 +211,9 @@ fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
     assert!(text.contains("k_n / k_s = 6.800e16 / "), "{text}");
 }
 
-/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory/damage-plasticity.md, Decisions, "Inadmissible damage"). In
-/// another element the strains beyond the peak are others, and so is the cap.
+/// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory/damage-plasticity.md,
+/// Decisions, "Inadmissible damage"). In an element of another size the strains beyond the peak differ, and so does
+/// the cap.
 #[test]
 fn capped_damage_names_its_row() {
     let deck = load("03_shear_wall_j7d", &[]);
@@ -224,7 +227,7 @@ fn capped_damage_names_its_row() {
     ] {
         assert!(message.contains(part), "{part} is not in {message}");
     }
-    // A point has no size: the table as given.
+    // A point has no size, so that the table is used as given.
     let (_, warnings) = deck.law("mortar", None).unwrap();
     assert_eq!(warnings.len(), 1);
     assert!(
@@ -287,8 +290,8 @@ fn absurd_sizes_are_refused_before_they_are_built() {
     }
 }
 
-/// A wall of two leaves, or in English bond, is as thick for the solver as it has planes of nodes: more memory for each
-/// unknown than one leaf; rigid units have fewer.
+/// The thickness of a wall for the solver is its number of node planes. A wall of two leaves, or in English bond,
+/// needs more memory per unknown than one leaf; rigid units need less.
 #[test]
 fn memory_follows_the_thickness_that_is_laid() {
     let wall = |more: &str| {
@@ -300,7 +303,7 @@ fn memory_follows_the_thickness_that_is_laid() {
              [[steps]]\nkind = \"gravity\"\n"
         )
     };
-    // Memory of the solver for each unknown [kB], the program and the bodies with it.
+    // Memory of the solver per unknown [kB], including the program and the bodies.
     let each = |more: &str| {
         let deck = Deck::from_str(&wall(more), "wall.toml").unwrap_or_else(|e| panic!("{e}"));
         let report = check(
@@ -314,12 +317,12 @@ fn memory_follows_the_thickness_that_is_laid() {
         "leaves = 2\nmesh = [4, 2, 2]",
         "bond = \"english\"\nmesh = [4, 2, 2]",
     ] {
-        // 6 planes instead of 3: nearly twice of what goes with the thickness.
+        // 6 planes instead of 3: nearly twice the part that depends on the thickness.
         let two = each(more);
         assert!(two > 1.3 * one && two < 2.2 * one, "{more}: {two}, {one}");
     }
-    // Half of the unknowns, of two planes instead of three, but as much again for the question of symmetry: two thirds of what goes
-    // with the thickness, and half of the rest.
+    // Half of the unknowns, in two planes instead of three, but as much again for the check of stability by symmetry:
+    // two thirds of the part that depends on the thickness, and half of the rest.
     let auto = Deck::from_str(
         &wall("mesh = [4, 2, 2]").replace("full", "auto"),
         "wall.toml",
@@ -331,7 +334,7 @@ fn memory_follows_the_thickness_that_is_laid() {
         each_of_half > 0.5 * one && each_of_half < 2.0 / 3.0 * one,
         "{each_of_half}, {one}"
     );
-    // Two planes, whatever `mesh` would be.
+    // Two planes, independently of `mesh`.
     let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
     assert_eq!(rigid[0], rigid[1]);
 }

@@ -1,4 +1,4 @@
-//! Blocks whose nodes come from a file.
+//! Blocks with nodes from a file.
 
 use std::fs;
 
@@ -53,7 +53,7 @@ fn a_grid_is_laid_as_it_is_written() {
     let volume: f64 = (4..6).map(|e| model.mesh.volume(e)).sum();
     // 2 x 2 x 1 mm and half of 2 x 2 x 0.5 mm, summed in f64.
     assert!((volume - 5.0).abs() < 1e-12, "{volume}");
-    // It stands on the base, its elements on those below.
+    // The block stands on the base, its elements on those below.
     assert_eq!(
         model.contact.slave_facets.len() + model.contact.master_facets.len(),
         6

@@ -1,4 +1,4 @@
-//! Imported meshes in scenes, and scenes that go to Abaqus and come back.
+//! Imported meshes in scenes, and scenes that are exported to Abaqus and imported again.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -50,12 +50,12 @@ fn build(scene: &str, files: &[(&str, &str)]) -> Result<Model, DeckError> {
     Ok(Model::from_deck(&deck)?.0)
 }
 
-/// The only error of a scene.
+/// The single error of a scene.
 fn refused(scene: &str, files: &[(&str, &str)]) -> (String, String, String) {
     match build(scene, files) {
         Err(DeckError::Model(error)) => {
             let all: Vec<String> = error.all().map(ToString::to_string).collect();
-            // Where a name is wrong, what calls it by it is, too.
+            // A wrong name also makes the reference to it wrong.
             assert!(
                 all.len() == 1 || error.key() == "imports.0.name",
                 "{all:#?}"
@@ -83,7 +83,7 @@ master = "pair.bed of lower"
 interface = "dry"
 "#;
 
-/// Facets by their nodes, in whatever order.
+/// Facets by their nodes, in any order.
 fn facets(of: &[[u32; 4]]) -> BTreeSet<[u32; 4]> {
     let sorted = of.iter().map(|facet| {
         let mut nodes = *facet;
@@ -112,7 +112,7 @@ fn without_names_what_touches_at_rest_meets_once() {
     );
     let model = build(&any, &[]).unwrap_or_else(|e| panic!("{e}"));
     let named = build(GMSH, &[]).unwrap();
-    // The upper block is the finer one.
+    // The upper block has the finer mesh.
     assert_eq!(
         facets(&model.contact.slave_facets),
         facets(&named.contact.slave_facets)
@@ -121,7 +121,7 @@ fn without_names_what_touches_at_rest_meets_once() {
         facets(&model.contact.master_facets),
         facets(&named.contact.master_facets)
     );
-    // What is said is not said again by what touches.
+    // Contact that is given explicitly is not generated a second time from touching faces.
     let both = build(&format!("{GMSH}\n[[contacts]]\ninterface = \"dry\"\n"), &[]);
     let both = both.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(both.contact.slave_facets, named.contact.slave_facets);
@@ -165,13 +165,13 @@ direction = "z"
 "#;
     let model = build(scene, &[]).unwrap_or_else(|e| panic!("{e}"));
     let mesh = &model.mesh;
-    // The block first; then twelve nodes each. (200, 100, 50) mm goes to (−100, 200, 60).
+    // The block comes first, then twelve nodes each. (200, 100, 50) mm goes to (−100, 200, 60).
     let at = mesh.nodes[8 + 6];
     let off = [at[0] + 100.0, at[1] - 200.0, at[2] - 60.0];
     assert!(off.iter().all(|d| d.abs() < 1e-12), "{at:?}");
     assert_eq!(mesh.unit, [0, 1, 1, 2, 2]);
     assert_eq!(model.probes[0].nodes.len(), 8);
-    // The table carries a, a carries b: a slave face of one facet each.
+    // The table supports a, and a supports b: each contact has a slave face of one facet.
     assert_eq!(model.contact.slave_facets.len(), 2);
 }
 
@@ -183,7 +183,7 @@ fn materials_of_the_file_stand_in_the_deck_unless_it_has_its_own() {
              [[supports]]\non = \"a.BASE\"\n"
         )
     };
-    // CLAY has no density, and gravity wants one.
+    // CLAY has no density, but gravity needs one.
     let (key, message, _) = refused(&scene(""), &[]);
     assert_eq!(key, "materials.CLAY.density");
     assert!(message.contains("CLAY has no mass"), "{message}");
@@ -299,13 +299,13 @@ fn an_imported_couplet_is_sheared_as_its_joint_allows() {
     assert!(named("CLAY") && named("stone"));
     let rows = completed(&model).rows;
     let peak = rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
-    // Half a brick of 100 mm x 100 mm under the pressure on a whole one: c + 1.01 x 1.0 MPa, as far as the
-    // joint is under even stress, which an eccentric load and its softening take away from: 10 %.
+    // Half a brick of 100 mm x 100 mm under the pressure on a whole one: c + 1.01 x 1.0 MPa for uniform stress in the
+    // joint. An eccentric load and softening reduce it: 10 %.
     let even = (0.87 + 1.01 * 1.0) * 100.0 * 100.0 * 1e-3;
     assert!(peak < even && peak > 0.9 * even, "{peak} kN of {even}");
 }
 
-/// A wall of four courses with two materials, as Abaqus would have it.
+/// A wall of four courses with two materials, suitable for Abaqus.
 fn wall() -> (Deck, Model) {
     let deck = examples::load("03_shear_wall_j7d", &[("wall.courses", "4")]);
     let (model, _) = Model::from_deck(&deck).unwrap();
@@ -326,7 +326,7 @@ fn a_wall_comes_back_from_abaqus_as_it_went() {
     })
     .unwrap_or_else(|e| panic!("{e}"));
     mesh.check().unwrap();
-    // Every digit is written.
+    // All digits are written.
     assert_eq!(mesh.nodes, model.mesh.nodes);
     assert_eq!(mesh.elements, model.mesh.elements);
     assert_eq!(mesh.bodies().of_element, model.mesh.unit);
@@ -340,7 +340,7 @@ fn a_wall_comes_back_from_abaqus_as_it_went() {
         let back = mesh.materials.iter().find(|m| m.name == name).unwrap();
         let (back, _) = back.in_a_deck(None).unwrap();
         let there = &deck.materials[&material.name];
-        // Abaqus has no keyword for it, nor for the crack band: they come back by comments.
+        // Abaqus has no keyword for it, nor for the crack band: both are stored in comments.
         assert!(there.reference_length.is_some());
         assert_eq!(&back, there, "{name}");
     }

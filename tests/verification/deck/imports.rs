@@ -1,4 +1,4 @@
-//! Meshes of Abaqus and Gmsh: what is in a file is read, and what cannot be meant is refused where it stands.
+//! Meshes of Abaqus and Gmsh: supported content is read, and invalid content is rejected with its line.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ fn load(name: &str, units: &str) -> ImportedMesh {
     mesh
 }
 
-/// Reads a text as an `.inp` that includes nothing.
+/// Reads a text as an `.inp` file without includes.
 fn inp(text: &str) -> Result<ImportedMesh, ImportError> {
     let nothing = &mut |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let mesh = ImportedMesh::read("a.inp", text.as_bytes(), &Units::default(), nothing)?;
@@ -52,8 +52,8 @@ fn an_assembly_of_abaqus_cae_stands_where_its_instances_do() {
     assert_eq!(mesh.bodies().of_element, [0, 0, 1, 1, 2, 2]);
     let node = |instance: usize, label: usize| mesh.nodes[12 * instance + label - 1];
     assert_eq!(node(1, 12), [250.0, 100.0, 100.0]);
-    // Turned by 90° about an upright axis through (500, 0, 0), after it was moved there: x goes to y. A
-    // rounding of the cosine of 90°.
+    // Moved to (500, 0, 0) and then rotated by 90° about a vertical axis there: x goes to y, up to the rounding of
+    // cos 90°.
     let [x, y, z] = node(2, 12);
     assert!(
         [x - 400.0, y - 200.0, z - 50.0]
@@ -69,7 +69,7 @@ fn sets_and_surfaces_of_instances_and_of_the_assembly_are_found() {
     assert_eq!(mesh.node_sets["_PickedSet9"], mesh.node_sets["Ends"]);
     assert!(mesh.node_sets["RP"].is_empty());
     assert_eq!(mesh.element_sets["Brick-2.Set-All"], [2, 3]);
-    // By its name, in other capitals, by its instance; not where several instances have it.
+    // A set is found by its name, in any case, or by its instance; not if several instances have it.
     assert_eq!(mesh.nodes_of("ends").unwrap().len(), 8);
     assert_eq!(mesh.nodes_of("Brick-3").unwrap().len(), 12);
     assert_eq!(mesh.nodes_of("Set-All"), None);
@@ -142,13 +142,13 @@ fn displacements_in_metres_become_strains_of_an_element() {
     let mesh = load("flat.inp", "N, m, s");
     let (lime, notes) = material(&mesh, "LIME", 100.0);
     assert!(notes.is_empty(), "{notes:?}");
-    // Units are powers of ten: a rounding or two.
+    // Units are powers of ten: one or two rounding errors.
     let near = |a: f64, b: f64| (a - b).abs() <= 4.0 * f64::EPSILON * b.abs();
     assert!(near(lime.E.get(), 1000.0) && near(lime.density.get(), 1.8e-9));
     assert_eq!(lime.compression_recovery, Number::new(0.5));
     assert_eq!(lime.reference_length, Some(Length::new(100.0)));
     let tension = rows(&lime.tension);
-    // 0.1 mm and 0.2 mm over 100 mm; stress half way between 0.4 and 0.1 MPa.
+    // 0.1 mm and 0.2 mm over 100 mm; stress midway between 0.4 and 0.1 MPa.
     for (row, wanted) in
         tension
             .iter()
@@ -223,7 +223,7 @@ fn bad_elements_are_named_with_their_line_and_place() {
     assert!(error.message.contains("1 of the type C3D4"), "{error}");
 }
 
-/// Notes of a mesh that loads: those with this text.
+/// Number of notes with this text for a mesh that is read successfully.
 fn noted(text: &str, told: &str) -> (ImportedMesh, usize) {
     let mesh = inp(text).unwrap_or_else(|e| panic!("{text}: {e}"));
     let count = mesh.notes.iter().filter(|n| n.contains(told)).count();
@@ -235,7 +235,7 @@ fn what_is_not_needed_is_left_out_and_told_once() {
     let shells = "*NODE\n11,5,0,0\n12,6,0,0\n13,6,1,0\n14,5,1,0\n";
     let spring = "*ELEMENT, TYPE=SPRINGA, ELSET=SPRINGS\n30, 1, 2\n*SPRING, ELSET=SPRINGS\n\n10.\n";
     for (text, told) in [
-        // Elements of other types, their sections, sets and surfaces.
+        // Elements of other types, with their sections, sets and surfaces.
         (
             format!(
                 "{shells}*ELEMENT, TYPE=S4, ELSET=FLOOR\n20, 11,12,13,14\n21, 14,13,12,11\n\
@@ -259,18 +259,18 @@ fn what_is_not_needed_is_left_out_and_told_once() {
             "*ELEMENT, TYPE=COH3D8\n3, 1,2,3,4,5,6,7,8\n".to_owned(),
             "meet by [[contacts]]",
         ),
-        // Twenty nodes take two lines, whatever their ends.
+        // Twenty nodes take two lines, however the lines end.
         (
             "*ELEMENT, TYPE=C3D20R\n3, 1,2,3,4,5,6,7,8,1,2,3,4,5,6,7,\n8,1,2,3,4\n4, 1,2,3,4,5,6,7,8,1,2,3,4,5,6,7\n8,1,2,3,4\n"
                 .to_owned(),
             "2 elements of the type C3D20R are left out, 2 of them",
         ),
-        // More labels than those of the corners.
+        // More labels than corners.
         (
             "*ELEMENT, TYPE=C3D8I\n9, 1,2,3,4,5,6,7,8,9,10,11\n".to_owned(),
             "1 hexahedra have more labels on their line",
         ),
-        // Surfaces of nodes, of what is not there.
+        // Surfaces of nodes or of missing items.
         (
             "*SURFACE, NAME=S, TYPE=NODE\n1\n".to_owned(),
             "surface S of nodes is read as a set of nodes",
@@ -293,7 +293,7 @@ fn what_is_not_needed_is_left_out_and_told_once() {
             "material M is left out: `E, 0.2` (line 14) is no row of numbers",
         ),
     ] {
-        // The one with too many labels stands in its place.
+        // The element with too many labels replaces the cube.
         let cube = if text.contains("C3D8I") { "" } else { CUBE };
         let (mesh, count) = noted(&format!("{NODES}{cube}{text}"), told);
         assert_eq!(count, 1, "{told}: {:?}", mesh.notes);
@@ -322,8 +322,8 @@ fn parts_that_stand_nowhere_are_left_out_whatever_is_in_them() {
     assert!(mesh.left_out.is_empty(), "{:?}", mesh.left_out);
 }
 
-/// MacNeal and Harder's patch of seven elements (1985) has one with a corner that is pushed through: it has a volume wherever
-/// it is integrated.
+/// MacNeal and Harder's patch of seven elements (1985) has an element with an inverted corner. Its Jacobian is
+/// positive at all Gauss points.
 #[test]
 fn an_element_is_sound_where_it_is_integrated() {
     let patch = "*NODE\n1,0.249,0.342,0.192\n2,0.826,0.288,0.288\n5,0.32,0.186,0.643\n6,0.677,0.305,0.683\n\
@@ -334,7 +334,7 @@ fn an_element_is_sound_where_it_is_integrated() {
 
 #[test]
 fn a_side_of_three_elements_is_refused() {
-    // The second and the third lie on the first, in the same place with nodes of their own above.
+    // The second and the third body lie on the first, with separate nodes at the same places above.
     let above =
         "*NODE\n11,0,0,2\n12,1,0,2\n13,1,1,2\n14,0,1,2\n21,0,0,3\n22,1,0,3\n23,1,1,3\n24,0,1,3\n";
     let more = "*ELEMENT, TYPE=C3D8\n8, 5,6,7,8,11,12,13,14\n9, 5,6,7,8,21,22,23,24\n";

@@ -1,15 +1,15 @@
-//! Bodies that are not where they should be: one in another, in the air, beyond a gap. A deck's findings name the place.
+//! Misplaced bodies: overlapping, floating, or beyond a gap. The findings name the place.
 
 use crate::common::blocks::{GRAVITY, HEAD, PAIR, deck};
 use wythe::model::Model;
 
-/// Warnings of a scene, as they are told.
+/// Reported warnings of a scene.
 fn warnings(text: &str) -> Vec<String> {
     let (_, warnings) = Model::from_deck(&deck(text)).unwrap_or_else(|e| panic!("{e}"));
     warnings.iter().map(ToString::to_string).collect()
 }
 
-/// Two bodies in one place: blocks, units and blocks, turned ones, voussoirs.
+/// Two overlapping bodies: blocks, units and blocks, rotated blocks, voussoirs.
 #[test]
 fn bodies_that_overlap_are_named_with_their_place() {
     let third = "[[blocks]]\nname = \"third\"\nsize = [50, 50, 50]\nat = [20, 20, 60]\nmaterial = \"stone\"\n\
@@ -24,7 +24,7 @@ fn bodies_that_overlap_are_named_with_their_place() {
         "{error}"
     );
     assert!(error.line().is_some() && error.advice().contains("move one"));
-    // A little is told, and may be.
+    // A small overlap gives a warning but is accepted.
     let little = text.replace("at = [20, 20, 60]", "at = [20, 20, 79.5]");
     let told = warnings(&little);
     assert!(
@@ -32,7 +32,7 @@ fn bodies_that_overlap_are_named_with_their_place() {
             .any(|w| w.contains("top and third overlap by 0.500 mm")),
         "{told:?}"
     );
-    // Beside each other, and with a corner that points at the other.
+    // Adjacent bodies, and a body whose corner points at another.
     for apart in [
         "at = [20, 20, 80]",
         "at = [240, 50, 0]\nrotate = { axis = \"z\", angle = 45 }",
@@ -62,7 +62,7 @@ fn bodies_that_overlap_are_named_with_their_place() {
     );
 }
 
-/// What floats is told with its place, also where anything may meet anything.
+/// A floating body is reported with its place, also in general contact.
 #[test]
 fn bodies_that_float_are_named_with_their_place() {
     let lifted = PAIR.replace(
@@ -84,7 +84,7 @@ fn bodies_that_float_are_named_with_their_place() {
         error.message().contains(floats) && error.advice().contains("dynamic"),
         "{error}"
     );
-    // With inertia it falls, which is told; on its base it lies.
+    // With inertia the block falls, which is reported; on its base it is supported.
     let told = |scene: &str| {
         let all = warnings(&format!("{head}{scene}{GRAVITY}"));
         all.iter().any(|w| w.contains("is held by nothing"))
@@ -119,7 +119,7 @@ fn a_face_that_meets_nothing_is_named_with_its_place() {
     );
 }
 
-/// A pattern whose units do not go with the headers of the leaf in front.
+/// A pattern of units that does not match the headers of the leaf in front.
 #[test]
 fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
     let wall = "[wall]\nunit = [200, 95, 80]\nbed_joint = 10\nhead_joint = 10\nlength = 830\ncourses = 2\nbond = \"pattern\"\n\
@@ -127,14 +127,14 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
                 pattern = [{ leaves = [{ units = [200, 200, 200, 200], headers = [1] }, { units = [200, 205, 205, 200], \
                 offset = 0 }] }]\n[[supports]]\non = \"wall.bottom\"\n";
     let told = warnings(&format!("{HEAD}{wall}{GRAVITY}"));
-    // The header ends at 410 mm, its joint where the front leaf goes on; the leaf behind begins at 425 mm.
+    // The header ends at 410 mm, its joint where the front leaf continues; the leaf behind starts at 425 mm.
     let gap = "in course 0 a gap of 5.00 mm beyond the joint parts wall-0-1 from wall-0-5, which begins at 425.00 mm";
     assert!(told.iter().any(|w| w.contains(gap)), "{told:?}");
     // Units as long as those in front leave no gap.
     let even = wall.replace("200, 205, 205, 200", "200, 200, 200, 200");
     let told = warnings(&format!("{HEAD}{even}{GRAVITY}"));
     assert!(!told.iter().any(|w| w.contains("gap of")), "{told:?}");
-    // A lintel that ends within a head joint leaves a wider one.
+    // A lintel that ends within a head joint leaves a wider joint.
     let lintel = "[wall]\nunit = [200, 100, 80]\nbed_joint = 10\nhead_joint = 10\nlength = 1040\ncourses = 3\n\
                   unit_material = \"stone\"\nmortar_material = \"stone\"\ninterface = \"dry\"\nclamped = false\n\
                   openings = [{ from = 420, to = 620, sill = 0, courses = 1, lintel = { bearing = 103 } }]\n\
@@ -149,7 +149,7 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
     );
 }
 
-/// More shallow overlaps than are told one by one do not hide the deep one behind them.
+/// If there are more shallow overlaps than are listed, a deep one is still listed.
 #[test]
 fn shallow_overlaps_hide_no_deep_one() {
     let block = |i: usize, from: f64| {
@@ -158,7 +158,7 @@ fn shallow_overlaps_hide_no_deep_one() {
              [[supports]]\non = \"b{i}\"\n"
         )
     };
-    // Each 0.5 mm into the one before, the last one 50 mm.
+    // Each overlaps the previous one by 0.5 mm, the last one by 50 mm.
     let mut row: String = (0..8).map(|i| block(i, 99.5 * i as f64)).collect();
     row += &block(8, 99.5 * 7.0 + 50.0);
     let error = Model::from_deck(&deck(&format!("{HEAD}{row}{GRAVITY}"))).unwrap_err();
@@ -168,11 +168,11 @@ fn shallow_overlaps_hide_no_deep_one() {
     );
 }
 
-/// What is wrong with a beam is told of the table that lays it, not of blocks that the file has not.
+/// An error of a beam is reported for its table in the deck, not for the generated blocks.
 #[test]
 fn findings_about_beams_name_their_table() {
     let beam = "[[beams]]\nname = \"jack\"\non = \"top.top\"\ndepth = 50\nrotation = \"free\"\ninterface = \"dry\"\n";
-    // It hangs over where the beam is laid.
+    // The lid projects into the place of the beam.
     let lid = "[[blocks]]\nname = \"lid\"\nsize = [400, 200, 50]\nat = [-100, -50, 100]\nmaterial = \"stone\"\n\
                [[supports]]\non = \"lid\"\n";
     let text = format!("{HEAD}{PAIR}{lid}{beam}{GRAVITY}");

@@ -1,4 +1,4 @@
-//! Tests of the room `deck`.
+//! Tests of the module `deck`.
 
 mod all_findings;
 mod arches;

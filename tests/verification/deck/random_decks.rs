@@ -1,7 +1,8 @@
-//! Decks that nobody would write: whatever a deck says, it is read or refused, and what is read is built
-//! or refused, without a panic and in bounded time and memory. What is built and small is run for some solves.
+//! Randomly mutated decks. Each deck is either read or rejected, and a deck that is read is either built or rejected:
+//! without panics, in bounded time and memory. Small models are run for some solves.
 //!
-//! 2,000 decks are read here and 300 run; `PROPTEST_CASES=1000000 cargo test --release --test verification random_decks` for as many as one likes.
+//! The default is 2,000 decks that are read and 300 that are run. For more: `PROPTEST_CASES=1000000 cargo test
+//! --release --test verification random_decks`.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
@@ -16,7 +17,7 @@ use wythe::solve;
 use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow};
 
-/// Decks to begin with, small ones: the mutations reach every key, not every element.
+/// Small decks as seeds: mutations must reach every key, not every element.
 static SEEDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let examples = [
@@ -45,7 +46,7 @@ static SEEDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     let paths = examples.into_iter().map(str::to_owned).chain(cases);
     let text = |path: String| std::fs::read_to_string(root.join(&path)).expect(&path);
     let mut seeds: Vec<String> = paths.map(text).collect();
-    // The walls of the paper, but short.
+    // The walls of the paper, but shorter.
     let wall = text("examples/03_shear_wall_j7d.toml".to_owned());
     seeds.push(
         wall.replace("courses = 18", "courses = 3")
@@ -54,7 +55,7 @@ static SEEDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     seeds
 });
 
-/// Numbers, texts and pieces that stand where others were expected.
+/// Numbers, texts and fragments that replace expected values.
 const VALUES: [&str; 56] = [
     "0",
     "1",
@@ -114,30 +115,30 @@ const VALUES: [&str; 56] = [
     "[[0, 0], [1e-12, 1e12], [1, -1e12]]",
 ];
 
-/// One change of a text.
+/// One mutation of a text.
 #[derive(Clone, Debug)]
 enum Change {
-    /// A value gets another.
+    /// Replaces a value by another one.
     Value(Index, Index),
-    /// The n-th number of a value is multiplied by a power of ten or its sign turned.
+    /// Multiplies the n-th number of a value by a power of ten or changes its sign.
     Scale(Index, u8, i8),
-    /// Two numbers of a value change places, as the bounds of a range would.
+    /// Exchanges two numbers of a value, such as the bounds of a range.
     Exchange(Index),
-    /// A line goes.
+    /// Deletes a line.
     Drop(Index),
-    /// A line comes twice.
+    /// Repeats a line.
     Twice(Index),
-    /// Two lines change places.
+    /// Exchanges two lines.
     Swap(Index, Index),
-    /// A value of one place stands in another.
+    /// Copies a value to another place.
     Move(Index, Index),
-    /// A line of another deck comes in.
+    /// Inserts a line of another deck.
     Borrow(Index, Index, Index),
-    /// A character comes in.
+    /// Inserts a character.
     Insert(Index, char),
-    /// The text ends here.
+    /// Truncates the text.
     Cut(Index),
-    /// Brackets within brackets.
+    /// Nests brackets.
     Nest(Index, u16),
 }
 
@@ -160,7 +161,7 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     prop::collection::vec(change, 1..6)
 }
 
-/// Lines `key = value`, with the place of the value.
+/// Lines `key = value` with the position of the value.
 fn values(lines: &[String]) -> Vec<(usize, usize)> {
     let of = |(i, line): (usize, &String)| {
         let plain = !line.trim_start().starts_with('#');
@@ -169,7 +170,7 @@ fn values(lines: &[String]) -> Vec<(usize, usize)> {
     lines.iter().enumerate().filter_map(of).collect()
 }
 
-/// The same with one change.
+/// The text after one mutation.
 fn changed(text: &str, change: &Change) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     if lines.is_empty() {
@@ -240,7 +241,7 @@ fn changed(text: &str, change: &Change) -> String {
     lines.join("\n")
 }
 
-/// Where numbers without their signs stand in a value, up to the comment behind it.
+/// Positions of unsigned numbers in a value, up to a trailing comment.
 fn numbers(value: &str) -> Vec<(usize, usize)> {
     let digit = |c: char| c.is_ascii_digit() || c == '.' || c == 'e';
     let (mut all, mut at) = (Vec::new(), 0);
@@ -254,7 +255,7 @@ fn numbers(value: &str) -> Vec<(usize, usize)> {
     all
 }
 
-/// The n-th number of `value`, or its last, times a power of ten; of none, its sign turned.
+/// The n-th number of `value`, or the last one, times a power of ten; with power 0 its sign is changed.
 fn scaled(value: &str, n: u8, power: i8) -> String {
     let all = numbers(value);
     let Some((begin, end)) = all.get(usize::from(n)).or(all.last()).copied() else {
@@ -266,7 +267,7 @@ fn scaled(value: &str, n: u8, power: i8) -> String {
         return format!("{head}-{number}{tail}");
     }
     match number.parse::<u64>() {
-        // Counts stay counts, of models that are built in no time.
+        // Counts remain counts, and models remain small.
         Ok(count) if power > 0 && power < 3 => {
             format!(
                 "{head}{}{tail}",
@@ -277,7 +278,7 @@ fn scaled(value: &str, n: u8, power: i8) -> String {
     }
 }
 
-/// Far beyond what any deck of bounded size takes: a hang.
+/// Far above the time of any deck of bounded size: a hang.
 const HANG: Duration = Duration::from_secs(60);
 
 fn config() -> ProptestConfig {
@@ -285,7 +286,7 @@ fn config() -> ProptestConfig {
     let cases = std::env::var_os("PROPTEST_CASES").map_or(2_000, |_| asked.cases);
     ProptestConfig {
         cases,
-        // A failing deck is small enough to be read as it is.
+        // A failing deck is short enough to be read without shrinking further.
         max_shrink_iters: 200,
         failure_persistence: None,
         ..asked
@@ -311,13 +312,13 @@ proptest! {
     }
 }
 
-/// Solves of a run here, those of rejected attempts among them.
+/// Number of solves per run, including those of rejected increments.
 const SOLVES: usize = 40;
 
-/// Elements of a scene that is run here.
+/// Number of elements above which a scene is not run.
 const ELEMENTS: usize = 200;
 
-/// A run has gone far enough.
+/// Payload that ends a run deliberately.
 struct Enough;
 
 /// Stops a run after some rows or solves.
@@ -336,13 +337,14 @@ impl Recorder for Few {
     fn progress(&mut self, _: usize, _: f64, _: usize) {
         self.solves += 1;
         if self.solves > SOLVES {
-            // Between two rows nothing else ends a run. No message: the hook for panics is not called.
+            // Only unwinding ends a run between two rows. `resume_unwind` does not call the panic hook, so that
+            // nothing is printed.
             resume_unwind(Box::new(Enough));
         }
     }
 }
 
-/// Runs a small scene for some solves; whatever else ends it than an answer or an error is a panic.
+/// Runs a small scene for some solves. Any end other than a result or an error is a panic.
 fn run_a_little(model: &Model) {
     if model.mesh.elements.len() > ELEMENTS {
         return;
@@ -355,7 +357,7 @@ fn run_a_little(model: &Model) {
     }
 }
 
-/// Cases that are run: a tenth of those that are read, but 300 by default.
+/// Number of runs: a tenth of the decks that are read, 300 by default.
 fn config_of_runs() -> ProptestConfig {
     let read = config();
     let by_default = std::env::var_os("PROPTEST_CASES").is_none();

@@ -1,5 +1,4 @@
-//! Files that no program would write: whatever is in them, they are read or refused, without a panic and in
-//! bounded time and memory.
+//! Randomly mutated mesh files. Each file is either read or rejected, without panics and in bounded time and memory.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -9,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use wythe::deck::import::{ImportedMesh, Units};
 
-/// Files to begin with, by name.
+/// Seed files by name.
 static SEEDS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/import");
     let names = [
@@ -24,7 +23,7 @@ static SEEDS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
     names.map(|name| (name, read(root.join(name)))).into()
 });
 
-/// What stands where something else was expected.
+/// Fragments that replace expected text.
 const PIECES: [&str; 44] = [
     "0",
     "-1",
@@ -72,24 +71,24 @@ const PIECES: [&str; 44] = [
     "\u{1f9f1}",
 ];
 
-/// One change of a file.
+/// One mutation of a file.
 #[derive(Clone, Debug)]
 enum Change {
-    /// A line becomes another piece.
+    /// Replaces a line by a fragment.
     Line(Index, Index),
-    /// A field of a line becomes another piece.
+    /// Replaces a field of a line by a fragment.
     Field(Index, Index, Index),
-    /// A line moves elsewhere.
+    /// Moves a line.
     Moved(Index, Index),
-    /// A line is there twice.
+    /// Repeats a line.
     Twice(Index),
-    /// A byte changes.
+    /// Changes a byte.
     Byte(Index, u8),
-    /// The sign of a number turns, or it is multiplied by a power of ten.
+    /// Changes the sign of a number or multiplies it by a power of ten.
     Scale(Index, i8),
-    /// Two fields of a line change places, as the bounds of a range would.
+    /// Exchanges two fields of a line, such as the bounds of a range.
     Exchange(Index),
-    /// The file ends here.
+    /// Truncates the file.
     Cut(Index),
 }
 
@@ -174,10 +173,10 @@ fn changed(bytes: &[u8], change: &Change) -> Vec<u8> {
     lines.join(&b'\n')
 }
 
-/// Far more than any of these small files takes, on a busy machine.
+/// Far above the time of any of these small files, on a busy machine.
 const LIMIT: Duration = Duration::from_secs(5);
 
-/// Reads a file with those of the folder beside it, and judges it.
+/// Reads a file with the others of its folder beside it, and checks the mesh.
 fn read(name: &str, bytes: &[u8]) -> bool {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/import");
     let load = &mut |name: &str| std::fs::read(folder.join(name));

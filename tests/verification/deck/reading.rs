@@ -1,4 +1,4 @@
-//! Reading decks: units, defaults, overrides, round trips, the laws of single points.
+//! Reading decks: units, defaults, overrides, round trips, laws of single points.
 
 use crate::common::examples::{load, path};
 use wythe::contact::{Coupling, InterfaceLaw};
@@ -68,7 +68,7 @@ fn strings_with_units_equal_bare_numbers() {
         ("steps.1.vertical", "\"locked\""),
     ] {
         let mut same = load("03_shear_wall_j7d", &[(key, value)]);
-        // what is a default may now be said
+        // written defaults are equal to omitted ones
         same.steps[1].vertical = with_units.steps[1].vertical;
         assert_eq!(same, with_units, "{key} = {value}");
     }
@@ -175,7 +175,8 @@ fn an_experiment_is_read_beside_the_deck() {
         assert!(error.message().contains(part), "{error}");
         assert!(error.line().is_some() && !error.advice().is_empty());
     }
-    // A copy elsewhere finds it where the deck was, as `wythe resume` asks of the one in the folder of a run.
+    // A copy in another folder finds the file at the original place, as `wythe resume` needs for the deck in a run's
+    // folder.
     std::fs::write(folder.path().join("test.csv"), csv).unwrap();
     let copy = folder.path().join("wall.out");
     std::fs::create_dir(&copy).unwrap();
@@ -214,7 +215,7 @@ fn overrides_reach_every_depth() {
     assert_eq!(model.formulation, Formulation::BBar);
     assert_eq!(model.contact.points, ContactPoints::Corner);
     assert_eq!(model.contact.search_radius, Some(5.0));
-    // Bed joints have two parts a facet, head joints, which are normal to x, one.
+    // Bed joints have two parts per facet; head joints, which are normal to x, have one.
     let whole = model.contact.whole_slaves().count();
     assert!((whole + 1..2 * whole).contains(&model.contact.slave_facets.len()));
     assert!(
@@ -226,7 +227,7 @@ fn overrides_reach_every_depth() {
             .all(|l| l.coupling == Coupling::Additive)
     );
     assert_eq!(model.output.every, 1);
-    // the later of two wins
+    // the last override wins
     let twice = load(
         "04_shear_wall_j4d",
         &[("wall.courses", "4"), ("wall.courses", "6")],
@@ -242,7 +243,7 @@ fn an_override_replaces_the_other_of_a_pair() {
     // theory/joint.md, eq. 30: G_I = f_t u_k × 0.215626 (six digits)
     assert!((joint.ultimate_opening() - 0.012 / (0.28 * 0.215626)).abs() < 1e-6);
     assert!((joint.mode_1_energy() - 0.012).abs() < 1e-15);
-    // and the other way round, in both modes
+    // and the inverse, in both modes
     let text = std::fs::read_to_string(path("01_couplet_tension")).unwrap();
     let energies = text
         .replace("u_k = \"0.20 mm\"", "G_I = \"12 N/m\"")
@@ -332,12 +333,12 @@ fn wrong_overrides_name_themselves() {
             error.message()
         );
     }
-    // the column counts in KEY=VALUE
+    // columns are counted in KEY=VALUE
     assert_eq!(
         error("materials.brick.E", "4 mm").column(),
         Some("materials.brick.E=".len() + 1)
     );
-    // an error of the file stays one, whatever is overridden
+    // an error of the file remains an error if another key is overridden
     let broken = text.replace("courses = 18", "courses = 0");
     let overrides = [("wall.length".to_owned(), "1100 mm".to_owned())];
     let error = Deck::from_str_with(&broken, "j7d.toml", &overrides).unwrap_err();
@@ -383,7 +384,7 @@ fn single_points_need_explicit_stiffnesses() {
             .advice()
             .contains("did you mean `mortar`?")
     );
-    // a deck of materials alone serves to drive points
+    // a deck with only materials can drive points
     let alone = "format = 1\n[materials.brick]\nE = 1\nnu = 0\n";
     assert!(
         Deck::from_str(alone, "alone.toml")
@@ -395,7 +396,7 @@ fn single_points_need_explicit_stiffnesses() {
 
 #[test]
 fn energies_are_those_of_the_theory() {
-    // theory/joint.md, eq. 30's table [N/m]: two digits after the point for G_I, one for G_II
+    // theory/joint.md, table below eq. 31 [N/m]: two decimals for G_I, one for G_II
     for (name, g_1, g_2) in [
         ("01_couplet_tension", 12.08, [142.7, 147.3, 165.7, 188.7]),
         ("03_shear_wall_j7d", 15.53, [36.1; 4]),
@@ -437,7 +438,7 @@ fn dry_joints_need_no_softening() {
 fn the_documentation_lists_every_key() {
     let reference = include_str!("../../../docs/reference/deck.md");
     for (key, example) in keys::examples() {
-        // `table.key` where a key means different things in different tables
+        // `table.key` if a key has different meanings in different tables
         let key = key.rsplit('.').next().unwrap();
         assert!(
             reference.contains(&format!("`{key}`")),

@@ -1,4 +1,5 @@
-//! Bond strength that scatters from unit to unit: the draws, the laws of whole models, what a joint bears.
+//! Random variation of bond strength between units: the draws, the laws of whole models, and the strength of single
+//! joints.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +11,7 @@ use wythe::deck::scatter::{factor, factors};
 use wythe::deck::{Deck, check};
 use wythe::model::Model;
 
-/// A wall of bricks whose joint scatters.
+/// A brick wall with random variation of its joint.
 fn wall(overrides: &[(&str, &str)]) -> (Deck, Model) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/03_shear_wall_j7d.toml");
     let overrides = overrides.iter().map(|(k, v)| ((*k).into(), (*v).into()));
@@ -19,7 +20,7 @@ fn wall(overrides: &[(&str, &str)]) -> (Deck, Model) {
     (deck, model)
 }
 
-/// Factor of tensile strength of each unit's slave facets, over `f_t` [MPa]; one a unit.
+/// Ratio of the tensile strength of each unit's slave facets to `f_t` [MPa]; one value per unit.
 fn strengths(model: &Model, f_t: f64) -> BTreeMap<u32, f64> {
     let contact = &model.contact;
     let mut found = BTreeMap::new();
@@ -31,9 +32,9 @@ fn strengths(model: &Model, f_t: f64) -> BTreeMap<u32, f64> {
     found
 }
 
-/// Mean and coefficient of variation of a sample, each over what was asked for, less 1, in standard errors:
-/// v/√N of the mean, and √(((β−1)/4 + v²)/N) of the other, at most, with the kurtosis
-/// β = w⁴ + 2w³ + 3w² − 3, w = 1 + v², of a lognormal.
+/// Relative errors of the mean and of the coefficient of variation of a sample, in standard errors. The standard
+/// error of the mean is v/√N. That of the coefficient is at most √(((β−1)/4 + v²)/N) with the kurtosis β = w⁴ + 2w³ +
+/// 3w² − 3, w = 1 + v², of a lognormal distribution.
 fn standard_errors(sample: &[f64], cv: f64) -> [f64; 2] {
     let n = sample.len() as f64;
     let mean = sample.iter().sum::<f64>() / n;
@@ -48,7 +49,8 @@ fn standard_errors(sample: &[f64], cv: f64) -> [f64; 2] {
     ]
 }
 
-/// A sample lies within four standard errors but once in 16,000, and these numbers never change.
+/// The probability of a deviation above four standard errors is 1/16,000. The numbers are fixed, so that the test is
+/// deterministic.
 const BY_CHANCE: f64 = 4.0;
 
 #[test]
@@ -58,7 +60,7 @@ fn factors_have_the_mean_and_the_variation_asked_for() {
         let [mean, spread] = standard_errors(&sample, cv);
         println!("cv {cv}: mean {mean:.2}, variation {spread:.2} standard errors off");
         assert!(mean.abs() < BY_CHANCE && spread.abs() < BY_CHANCE);
-        // Lognormal: half of them below 1/√(1+v²), each √(N/4).
+        // The median of a lognormal sample is 1/√(1+v²): half of the values below it, within √(N/4).
         let median = 1.0 / (1.0 + cv * cv).sqrt();
         let below = sample.iter().filter(|x| **x < median).count() as f64;
         let n = sample.len() as f64;
@@ -92,7 +94,7 @@ fn units_interfaces_and_seeds_are_independent() {
         let [xx, yy] = [(&one, a), (&other, b)]
             .map(|(of, mean)| of.iter().map(|x| (x - mean).powi(2)).sum::<f64>());
         let correlation = together / (xx * yy).sqrt();
-        // The standard error of no correlation is 1/√N.
+        // The standard error of a zero correlation is 1/√N.
         assert!(
             correlation.abs() < BY_CHANCE / f64::from(n).sqrt(),
             "{correlation}"
@@ -100,8 +102,8 @@ fn units_interfaces_and_seeds_are_independent() {
     }
 }
 
-/// By the algorithms of ChaCha20, Box and Muller, written anew in Python: a study can be repeated with any
-/// version.
+/// Values of an independent Python implementation with ChaCha20 and Box–Muller, so that a study can be repeated with
+/// any version.
 #[test]
 fn the_numbers_never_change() {
     for (cv, seed, interface, unit, x) in [
@@ -113,7 +115,7 @@ fn the_numbers_never_change() {
         (0.3, i64::MAX as u64, 3, 4_000_000_000, 1.4035163125438432),
         (1.5, 12345, 0, 17, 1.2498960129929741),
     ] {
-        // The bits are the same; logarithm, cosine and exponential of other machines may round otherwise.
+        // The random bits are equal; logarithm, cosine and exponential may be rounded differently on other machines.
         let found = factor(cv, seed, interface, unit);
         assert!((found / x - 1.0).abs() < 1e-13, "{found} is not {x}");
     }
@@ -150,7 +152,7 @@ fn every_unit_of_a_wall_has_its_own_strength_and_nothing_else_of_its_own() {
         assert_eq!(x, factor(0.3, 0, 0, unit));
         assert!((found[&unit] / x - 1.0).abs() < 1e-15); // once multiplied, once divided
     }
-    // Facet by facet: strengths have the factor, all else is as without scatter.
+    // Per facet: the strengths contain the factor, everything else is as without variation.
     let (a, b) = (&plain.contact, &model.contact);
     assert_eq!(a.slave_facets, b.slave_facets);
     for (f, unit) in b.slave_body.iter().enumerate() {
@@ -165,12 +167,12 @@ fn every_unit_of_a_wall_has_its_own_strength_and_nothing_else_of_its_own() {
             ..own
         };
         assert_eq!(as_mean, mean);
-        // So both energies have it, but for rounding.
+        // Hence both energies contain it, up to rounding.
         assert!((own.mode_1_energy() / (x * mean.mode_1_energy()) - 1.0).abs() < 1e-14);
         assert!((own.mode_2_energy(0.0) / (x * mean.mode_2_energy(0.0)) - 1.0).abs() < 1e-14);
     }
     assert!(b.law_names.iter().all(|name| name == "joint"));
-    // A unit has a law for each pair of stiffnesses that its facets see, at most.
+    // A unit has at most one law for each pair of stiffnesses of its facets.
     assert!(b.laws.len() <= a.laws.len() * found.len());
 }
 
@@ -184,7 +186,7 @@ fn the_same_seed_is_the_same_model_and_another_seed_another() {
     assert_eq!(once, contact("{ seed = 5, cv = \"30 %\" }"));
     assert_ne!(once.0, contact("{ cv = 0.3, seed = 6 }").0);
     assert_eq!(contact("{ cv = 0.3 }"), contact("{ cv = 0.3, seed = 0 }"));
-    // Another cv stretches the same draws: the order of the units stays.
+    // A different coefficient scales the same draws: the order of the units remains.
     let (one, other) = (contact("{ cv = 0.1 }").0, contact("{ cv = 0.5 }").0);
     for (a, b) in one.windows(2).zip(other.windows(2)) {
         let [a, b] = [a, b].map(|pair| {
@@ -195,7 +197,7 @@ fn the_same_seed_is_the_same_model_and_another_seed_another() {
     }
 }
 
-/// Two couplets side by side, of which each is torn in a step of its own.
+/// Two couplets side by side; each is torn apart in its own step.
 const COUPLETS: &str = r#"
 format = 1
 
@@ -271,9 +273,9 @@ fn each_joint_bears_its_own_strength() {
         let peak = forces.fold(0.0, f64::max) * 1e3;
         let exact = factor(0.4, 3, 0, unit) * 0.28 * 1e4;
         println!("unit {unit}: {peak:.3} N, exact {exact:.3} N");
-        // The stress is uniform. Beyond its strength a joint loses 6.2 MPa/mm times the factor, so that an
-        // increment of 1e-5 mm misses the peak by 2.2e-4 of it at most; balance is good to 2e-6, of which rounding
-        // leaves 0.9 to 1.4e-6 in the first increment.
+        // The stress is uniform. Beyond its strength a joint softens with 6.2 MPa/mm times the factor, so that an
+        // increment of 1e-5 mm misses the peak by at most 2.2e-4 of it. Equilibrium holds to 2e-6, of which rounding
+        // takes 0.9 to 1.4e-6 in the first increment.
         assert!(
             (peak / exact - 1.0).abs() < 3e-4,
             "{peak} N is not {exact} N"
@@ -283,7 +285,7 @@ fn each_joint_bears_its_own_strength() {
     assert!((peaks[0] / peaks[1] - 1.0).abs() > 0.05, "{peaks:?}");
 }
 
-/// Blocks one on the other, each course with an interface of its own name.
+/// Blocks on each other; each course has an interface with its own name.
 fn tower(names: [&str; 2], scatters: [&str; 2]) -> String {
     let bond =
         "f_t = 0.2\nc = 0.3\ntan_phi = 0.7\nmu = 0.7\nu_k = 0.2\ndelta_k = 0.4\nzeta = 4\nxi = 1";
@@ -320,7 +322,7 @@ fn interfaces_scatter_each_for_itself_whatever_they_are_called() {
     assert!(near(both, [own(0, 1), own(1, 2)]), "{both:?}");
     assert_eq!(names, ["a", "b"]);
     assert!(near(of(["y", "x"], [cv, cv]).0, both));
-    // One that does not scatter is not counted.
+    // An interface without variation does not use up a stream of random numbers.
     assert!(near(of(["a", "b"], ["", cv]).0, [1.0, own(0, 2)]));
     assert!(near(of(["a", "b"], [cv, ""]).0, [own(0, 1), 1.0]));
 }
@@ -367,7 +369,7 @@ fn the_check_tells_what_was_drawn() {
     let range = format!("cv = 0.3, seed 2: {least:.3} to {largest:.3} times their mean");
     assert!(of_joint[2].contains(&range), "{}", of_joint[2]);
     assert!(of_joint[2].contains(&format!("{} units", found.len())));
-    // Stiffnesses are told once, not once a unit.
+    // Stiffnesses are reported once, not once per unit.
     let (deck, model) = wall(&[]);
     assert!(check(&deck, &model).notes.contains(of_joint[1]));
 }

@@ -1,4 +1,4 @@
-//! Scenes of blocks: what a deck builds.
+//! Block scenes: models from decks.
 
 use std::path::Path;
 
@@ -31,11 +31,11 @@ fn boxes_have_their_sizes_faces_masses_and_velocities() {
     near(area(&contact.master_facets), 400.0 * 200.0);
     normals_point_out(&model);
     assert_eq!(contact.points, ContactPoints::Corner);
-    // k_n = 500 min E/h (theory/joint.md, eq. 32): the softer side is the higher block.
+    // k_n = 500 min E/h (theory/joint.md, eq. 32): the taller block is the softer side.
     let [normal, shear] = contact.laws[0].stiffness();
     near(normal, 500.0 * 5000.0 / 80.0);
     near(shear, 500.0 * 5000.0 / 80.0 / 2.4);
-    // Velocities of the block alone.
+    // Only the block has a velocity.
     let of_block: Vec<bool> = (0..model.mesh.nodes.len())
         .map(|n| {
             let mut elements = 0..model.mesh.elements.len();
@@ -98,13 +98,13 @@ on = "b"
         }
     }
     assert!((volume(&a, 0) - l * t * h).abs() <= l * t * h * ROUNDING);
-    // The +x end of a turn about y goes down.
+    // A rotation about y moves the +x end down.
     assert!(a.mesh.nodes.iter().any(|x| x[2] < 30.0 - 0.49 * l));
 }
 
 #[test]
 fn touching_faces_find_each_other_in_running_bond() {
-    // Name, length, place along x and z, copies along x and their pitch [mm].
+    // Name, length, position along x and z, number of copies along x and their pitch [mm].
     let units = [
         ("even", 400, [0, 0], [2, 400]),
         ("odd", 400, [200, 175], [1, 0]),
@@ -144,8 +144,8 @@ on = "table"
     let model = model(&wall, GRAVITY);
     assert_eq!(model.mesh.elements.len(), 1 + 2 * 4 + 2 * 2 + 4);
     normals_point_out(&model);
-    // Every joint is covered once by slaves and can be met by masters. Courses of 800 × 200: bed joints
-    // below 4 courses (table included), of slaves or masters of the upper and lower course.
+    // Every joint is covered once by slave facets and has master facets. Courses of 800 × 200: bed joints below 4
+    // courses (including the table), with slaves or masters of the upper and lower course.
     let contact = &model.contact;
     let slaves = contact.slave_facets.iter().map(|f| nodes(&model, *f));
     let masters = contact.master_facets.iter().map(|f| nodes(&model, *f));
@@ -162,11 +162,11 @@ on = "table"
     // Head joints: 1 in each even course, 2 in each odd one.
     let upright = slaves.iter().filter(|q| area_vector(**q)[0] != 0.0).count();
     assert_eq!(upright, 2 + 4);
-    // Nothing is slave and master of the same joint: each slave finds an opposite master in its place.
+    // No face is both slave and master of the same joint: each slave finds a master opposite.
     let report = check(&deck(&format!("{HEAD}{wall}{GRAVITY}")), &model);
     assert!(report.warnings.is_empty(), "{:?}", report.warnings);
     assert_eq!(report.sizes.units, 11);
-    // Without a line of the mesh above the head joints, points do not know where the units end.
+    // Without a mesh line above the head joints, points do not resolve the ends of the units.
     let coarse = wall.replace("mesh = [2, 1, 1]\n", "");
     let coarse_model = crate::common::blocks::model(&coarse, GRAVITY);
     let report = check(&deck(&format!("{HEAD}{coarse}{GRAVITY}")), &coarse_model);
@@ -203,7 +203,7 @@ angle = 0
 "#;
     let model = model(PAIR, steps);
     let at = |step: usize, fraction: f64| model.steps[step].gravity.at(fraction);
-    // Downhill is +x if the ground is turned about y; g = 10000 mm/s².
+    // Downhill is +x if the ground is rotated about y; g = 10000 mm/s².
     let tilted = |degrees: f64| {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         [1e4 * sin, 0.0, -1e4 * cos]
@@ -220,7 +220,7 @@ angle = 0
     ] {
         let found = at(step, fraction);
         for d in 0..3 {
-            // two turns, rounded each
+            // two rotations, one rounding each
             assert!(
                 (found[d] - exact[d]).abs() <= 1e-11,
                 "{step}: {found:?}, {exact:?}"
@@ -311,7 +311,7 @@ material = "stone"
     let text = format!("{HEAD}{flying}{GRAVITY}");
     let error = Model::from_deck(&deck(&text)).unwrap_err();
     assert!(error.message().contains("b is held by nothing"), "{error}");
-    // Lifted off its base it floats; on it, it does not.
+    // Lifted off its base the block floats; on the base it does not.
     let lifted = PAIR.replace(
         "size = [200, 100, 80]",
         "size = [200, 100, 80]\nat = [0, 0, 50]",
@@ -322,7 +322,7 @@ material = "stone"
         error.message().contains("top is held by nothing"),
         "{error}"
     );
-    // A spring holds too.
+    // A spring is a support, too.
     let hung = format!("{lifted}[[springs]]\nname = \"s\"\non = \"top\"\nstiffness = [1, 1, 1]\n");
     model(&hung, GRAVITY);
 }
@@ -366,7 +366,7 @@ fn the_cases_of_the_atlas_build() {
                 continue;
             }
             let deck = Deck::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
-            // Some are built at the limits that warnings tell of.
+            // Some models lie at the limits of the warnings.
             let (model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}"));
             normals_point_out(&model);
             decks += 1;

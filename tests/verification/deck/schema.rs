@@ -1,5 +1,4 @@
-//! The JSON schema of decks: what is right validates, what is wrong in its form does not, and the copy in
-//! docs is up to date.
+//! The JSON schema of decks: valid decks conform, decks of invalid form do not, and the copy in docs is up to date.
 
 use std::path::{Path, PathBuf};
 use wythe::deck::{Deck, json_schema};
@@ -12,7 +11,7 @@ fn validator() -> jsonschema::Validator {
     jsonschema::draft7::new(&json_schema::schema()).expect("a schema")
 }
 
-/// A deck as its schema sees it.
+/// A deck as JSON, as the schema sees it.
 fn json(text: &str) -> serde_json::Value {
     let value: toml::Table = toml::from_str(text).expect("TOML");
     serde_json::to_value(value).expect("no dates")
@@ -46,7 +45,7 @@ fn examples_and_templates_validate_and_name_the_schema() {
             .map(|e| e.to_string())
             .collect();
         assert!(wrong.is_empty(), "{}: {wrong:?}", path.display());
-        // Whatever a deck says with all its defaults is right, too.
+        // A deck with all defaults written conforms, too.
         let said = Deck::from_str(&text, "deck.toml")
             .unwrap()
             .to_toml()
@@ -121,7 +120,7 @@ fn quantities_are_numbers_or_strings_with_a_unit() {
         let deck = text.replace("length = \"204 mm\"", &format!("length = \"{wrong}\""));
         assert!(Deck::from_str(&deck, "deck.toml").is_err(), "{wrong}");
     }
-    // Without a dimension a string may be bare.
+    // A string for a dimensionless quantity needs no unit.
     for right in ["15 %", "0.15", "15%"] {
         assert!(with("/materials/brick/nu", right.into()), "{right}");
     }
@@ -129,7 +128,7 @@ fn quantities_are_numbers_or_strings_with_a_unit() {
     assert!(!with("/wall/length", true.into()));
 }
 
-/// Every key has a description, which is what an editor shows.
+/// Every key has a description, which editors show.
 #[test]
 fn every_key_is_described() {
     fn walk(value: &serde_json::Value, path: &str, bare: &mut Vec<String>) {

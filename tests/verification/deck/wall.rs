@@ -15,8 +15,8 @@ fn j7d(overrides: &[(&str, &str)]) -> Model {
     example("03_shear_wall_j7d.toml", overrides)
 }
 
-/// Rectangle of an axis-parallel facet: axis and sign of its normal, its plane, and its extent along
-/// the two other axes.
+/// Rectangle of an axis-parallel facet: axis and sign of its normal, its plane, and its extent along the other two
+/// axes.
 #[derive(Clone, Copy, Debug)]
 struct Rectangle {
     axis: usize,
@@ -57,9 +57,9 @@ impl Rectangle {
         (self.high[0] - self.low[0]) * (self.high[1] - self.low[1])
     }
 
-    /// Area that faces `other` without a gap.
+    /// Area over which it faces `other` without a gap.
     fn facing(&self, other: &Self) -> f64 {
-        // coordinates are sums of a few lengths: equal to some 1e-13 mm
+        // coordinates are sums of a few lengths, with rounding of some 1e-13 mm
         if self.axis != other.axis
             || self.sign == other.sign
             || (self.plane - other.plane).abs() > 1e-9
@@ -169,7 +169,7 @@ fn bodies_share_no_node_and_do_not_overlap() {
         "a node belongs to no element"
     );
     let boxes = bodies(mesh);
-    // Within one body no two nodes coincide: the block is one piece.
+    // The nodes of a body do not coincide: each body is connected.
     let places: HashSet<[u64; 4]> = (0..mesh.nodes.len())
         .map(|n| {
             let [x, y, z] = mesh.nodes[n].map(f64::to_bits);
@@ -245,14 +245,14 @@ fn interfaces_have_the_area_of_all_beds_and_heads() {
     let model = j7d(&[]);
     let s = surfaces(&model);
     let total = |side: &[(Rectangle, u32)]| side.iter().map(|f| f.0.area()).sum::<f64>();
-    // 17 beds over the length; 4 heads in each of 18 courses, in 17 of them as high as unit and bed.
+    // 17 beds over the length; 4 heads in each of 18 courses, in 17 of them with the height of unit and bed.
     let area = 17.0 * 990.0 * 98.0 + 4.0 * 98.0 * (17.0 * 62.5 + 50.0);
     // thousands of sums in double precision
     assert!((total(&s.slave) - area).abs() < 1e-10 * area);
     assert!((total(&s.master) - area).abs() < 1e-10 * area);
 }
 
-/// Lengths of the units of a course, left to right, without their head joints.
+/// Lengths of the units of a course from left to right, without their head joints.
 fn unit_lengths(model: &Model, course: u16) -> Vec<f64> {
     let mesh = &model.mesh;
     let mut units: Vec<(f64, f64)> = Vec::new();
@@ -315,11 +315,12 @@ fn clamped_courses_are_held_without_their_beds() {
     assert!(beam.nodes.iter().all(|n| z(n) >= top - 50.0 - 1e-9));
     // exact products
     assert_eq!(beam.area, 990.0 * 98.0);
-    // all nodes of the course: 22 columns and 5 ends along x, 3 through, 2 up (beds of the bottom free)
+    // all nodes of the course: 22 columns and 5 ends along x, 3 through, 2 up (the beds of the bottom course are
+    // free)
     assert_eq!(support.nodes.len(), (22 + 5) * 3 * 2);
     assert_eq!(beam.nodes.len(), (22 + 5) * 3 * 2);
     let free = model.mesh.nodes.len() - 2 * (22 + 5) * 6;
-    // the beam moves freely only vertically, during the preload
+    // during the preload the beam moves freely only in the vertical direction
     assert_eq!(wythe::model::sizes::sizes(&model).dofs, 3 * free + 1);
 }
 
@@ -343,13 +344,14 @@ fn penalties_follow_the_softer_side_of_each_face() {
     let model = j7d(&[]);
     let s = surfaces(&model);
     let law = |f: usize| &model.contact.laws[model.contact.slave_law[f] as usize];
-    // 50 for joints of walls with mortar, where theory/joint.md, eq. 32 has 500 (docs/decisions/penalty-of-mortar-joints.md)
+    // 50 for joints of walls with mortar, instead of 500 of theory/joint.md, eq. 32
+    // (docs/decisions/penalty-of-mortar-joints.md)
     let expected = |stiffness: f64| [50.0 * stiffness, 50.0 * stiffness / 2.3];
     let mut corners = 0;
     for (f, (r, _)) in s.slave.iter().enumerate() {
         let [normal, shear] = law(f).stiffness();
-        // Bed joint, or head joint against brick: 850/12.5 (no bed facet lies mostly under a head joint
-        // here); a corner against the next bed joint: an element of 51 mm, or of 62 mm in a bat.
+        // Bed joint, or head joint against brick: 850/12.5 (here no bed facet lies mostly below a head joint). A
+        // corner against the next bed joint: an element of 51 mm, or of 62 mm in a bat.
         let height = r.high[1] - r.low[1];
         let candidates = if r.axis == 0 && (height - 12.5).abs() < 1e-9 {
             corners += 1;
@@ -365,7 +367,7 @@ fn penalties_follow_the_softer_side_of_each_face() {
         assert!(hit, "facet {f} {r:?}: {normal}, {shear}");
     }
     assert_eq!(corners, 17 * 4 * 2);
-    // the theory's in-plane values of 500: 34000 and 14783 N/mm³ (the latter rounded)
+    // in-plane values for 500: 34000 and 14783 N/mm³ (the latter rounded)
     let theory = j7d(&[("interfaces.joint.penalty_factor", "500")]);
     assert!(
         theory
@@ -375,7 +377,7 @@ fn penalties_follow_the_softer_side_of_each_face() {
             .map(JointLaw::stiffness)
             .any(|[normal, shear]| normal == 34000.0 && shear.round() == 14783.0)
     );
-    // laws are not repeated: mortar bed or head, corner against a whole unit's bed, against a bat's
+    // each law is stored once: mortar bed or head, corner against a whole unit's bed, against a bat's
     assert_eq!(model.contact.laws.len(), 3);
 }
 

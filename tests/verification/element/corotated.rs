@@ -1,4 +1,4 @@
-//! Elements as the solver asks for them, against their points one by one by the law.
+//! Elements as the solver evaluates them, against the law applied to each point.
 
 use crate::common::{Random, brick, mortar};
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
@@ -14,7 +14,7 @@ use wythe::material::{
     elastic_stiffness,
 };
 
-/// An element and all that it writes.
+/// An element and all its results.
 struct One {
     shape: ElementShape,
     law: Material,
@@ -49,7 +49,7 @@ impl One {
         assert_eq!(self.marks, Marks::of(&self.old, &self.new));
     }
 
-    /// The same by [`Material::update`] of every point.
+    /// Compares with [`Material::update`] at every point.
     fn compare(&self, x: &[[f64; 3]; 8], solids: Solids) {
         let shape = &self.shape;
         let frame = Corotated::new(shape, x).expect("a sound element");
@@ -69,7 +69,7 @@ impl One {
             .iter()
             .fold(0.0, |m: f64, u| m.max(u.abs()));
         for (found, exact) in self.force.as_flattened().iter().zip(force.as_flattened()) {
-            // Roundings of sums of some hundred terms, and what the return map's tolerance leaves.
+            // Tolerance: rounding of sums of some hundred terms, and the tolerance of the return map.
             assert!((found - exact).abs() <= 1e-11 * large, "{found} {exact}");
         }
         let mut energy = PointEnergy::default();
@@ -112,7 +112,7 @@ impl One {
                 (found.tensile_damage, exact.tensile_damage),
                 (found.compressive_damage, exact.compressive_damage),
             ] {
-                // Damage over strain is up to some 1e4.
+                // Damage per strain is up to some 1e4.
                 assert!((a - b).abs() <= 1e-9, "{a} {b}");
             }
             let yields = |h: &MaterialHistory| h.kappa_t > old.kappa_t || h.kappa_c > old.kappa_c;
@@ -144,12 +144,12 @@ impl One {
         ] {
             assert!((found - exact).abs() <= 1e-9 * work, "{found} {exact}");
         }
-        // On the surface to the last bits a rounding decides for one tangent or the other.
+        // Within rounding of the yield surface either tangent may result.
         if alike {
             let mut cell = vec![0.0; CELL];
             frame.stiffness(shape, &shape.stiffness(&tangents), &local, &mut cell);
             for (found, exact) in self.cell.iter().zip(&cell) {
-                // Roundings, and where principal stresses nearly coincide those of their directions.
+                // Tolerance: rounding, and near coinciding principal stresses that of their directions.
                 assert!(
                     (found - exact).abs() <= 1e-8 * e,
                     "{solids:?}: {found} {exact}"
@@ -180,8 +180,8 @@ fn random_parameters(random: &mut Random) -> DamagePlasticityParameters {
 
 const ALL: [Solids; 3] = [Solids::Implicit, Solids::Secant, Solids::Softened];
 
-/// Walks of random displacements, from well inside the yield surface to far beyond, back and forth; of every
-/// third one the step is cut so that the first point to yield is on its surface to the last bit.
+/// Walks of random displacements from well inside the yield surface to far beyond it, in both directions. In every
+/// third walk the step is reduced so that the first point to yield lies exactly on its surface.
 #[test]
 fn elements_are_those_of_their_points_one_by_one() {
     let mut random = Random(71);
@@ -248,7 +248,7 @@ fn elements_are_those_of_their_points_one_by_one() {
                     *(if yields { &mut high } else { &mut low }) = part;
                 }
             }
-            // Iterates further out first: what they leave behind must go.
+            // Distant iterates come first: they must leave no trace.
             one.evaluate(&at(2.0), Solids::Secant, true);
             let x = at(part);
             for solids in ALL {
@@ -258,7 +258,7 @@ fn elements_are_those_of_their_points_one_by_one() {
                 one.evaluate(&x, solids, false);
                 assert_eq!((force, &cell), (one.force, &one.cell));
             }
-            // Held where they are, solids have the same forces.
+            // With frozen histories the solids have the same forces.
             one.evaluate(&x, Solids::Secant, true);
             let (force, cell) = (one.force, one.cell.clone());
             one.evaluate(&x, Solids::Held, true);
@@ -288,7 +288,7 @@ fn elements_are_those_of_their_points_one_by_one() {
     );
 }
 
-/// A strain that is not a number is the law's to report, whatever the material.
+/// NaN strains are reported by the law, for any material.
 #[test]
 fn what_is_not_finite_is_refused() {
     let corners = CORNERS.map(|c| c.map(|c| 10.0 * c));

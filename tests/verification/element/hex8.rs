@@ -28,7 +28,7 @@ fn distorted(random: &mut Random, by: f64) -> [[f64; 3]; 8] {
     })
 }
 
-/// Local force and stiffness of linear points with tangents `d`.
+/// Local force and stiffness of linear points with the tangents `d`.
 fn linear(shape: &ElementShape, d: &[Matrix6<f64>; 8], x: &[[f64; 3]; 8]) -> ([f64; 24], Vec<f64>) {
     let frame = Corotated::new(shape, x).expect("a sound element");
     let strains = shape.strains(&frame.local);
@@ -53,7 +53,7 @@ fn dense(cell: &[f64]) -> SMatrix<f64, 24, 24> {
 
 #[test]
 fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
-    // Seven elements around an inner one: MacNeal and Harder's patch, nodes of the inner cube free.
+    // Seven elements around an inner one: MacNeal and Harder's patch, with the nodes of the inner cube free.
     let inner = [
         [0.249, 0.342, 0.192],
         [0.826, 0.288, 0.288],
@@ -69,7 +69,7 @@ fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
     nodes.extend(inner);
     let mut elements: Vec<[usize; 8]> = vec![[8, 9, 10, 11, 12, 13, 14, 15]];
     for f in FACES {
-        // Bottom: the inner face; top: the outer one.
+        // Bottom: the inner face; top: the outer face.
         elements.push([
             f[0] + 8,
             f[1] + 8,
@@ -116,7 +116,7 @@ fn a_constant_strain_is_exact_in_a_patch_of_distorted_elements() {
             .solve(&rhs)
             .expect("regular");
         for i in 0..24 {
-            // Rounding times the condition of the patch.
+            // Tolerance: rounding times the condition number of the patch.
             assert!((free[i] - exact[24 + i]).abs() < 1e-15, "{formulation:?}");
         }
         let (shape, e) = &shapes[3];
@@ -159,7 +159,7 @@ fn rigid_motion_makes_no_stress() {
             let x = corners.map(|c| (r * Vector3::from(c) + shift).into());
             let c0 = elastic_stiffness(&elastic(0.15));
             let (f, cell) = linear(&shape, &[c0; 8], &x);
-            // Rounding of positions of 1e3 mm in E = 1e3 MPa over areas of 1e3 mm².
+            // Tolerance: rounding of positions of 1e3 mm with E = 1e3 MPa and areas of 1e3 mm².
             assert!(f.iter().all(|f| f.abs() < 1e-7), "{f:?}");
             let k = dense(&cell);
             let values = ((k + k.transpose()) * 0.5).symmetric_eigen().eigenvalues;
@@ -171,9 +171,9 @@ fn rigid_motion_makes_no_stress() {
     }
 }
 
-/// Tip deflection over Timoshenko's of a cantilever 10 × 1 × 1: face x = 0 held along the beam and
-/// along its depth, free to change its width (a clamp of that too would stiffen the end for ν > 0);
-/// the load spread over the end face by its shape functions, the mean deflection of the end taken.
+/// Ratio of the tip deflection of a 10 × 1 × 1 cantilever to Timoshenko's. The face x = 0 is fixed along the beam and
+/// along its depth but free to change its width (fixing that, too, would stiffen the end for ν > 0). The load is
+/// distributed over the end face by its shape functions, and the mean deflection of the end is taken.
 fn cantilever(formulation: Formulation, nu: f64, mesh: [usize; 3]) -> f64 {
     let [nx, nh, nw] = mesh;
     let material = elastic(nu);
@@ -212,7 +212,7 @@ fn cantilever(formulation: Formulation, nu: f64, mesh: [usize; 3]) -> f64 {
             }
         }
     }
-    // Held by a penalty: 1e9 of the stiffness leaves 1e-9 of the deflection.
+    // Fixed by a penalty of 1e9 times the stiffness, with an error of 1e-9 of the deflection.
     let hold = 1e9 * k.amax();
     for node in 0..(nh + 1) * (nw + 1) {
         k[(3 * node, 3 * node)] += hold;
@@ -228,7 +228,7 @@ fn cantilever(formulation: Formulation, nu: f64, mesh: [usize; 3]) -> f64 {
 
 #[test]
 fn cantilever_table() {
-    // Theory E: mesh, then full, B-bar, incompatible.
+    // theory/hex8.md, table below eq. 15: mesh, then full, B-bar, incompatible.
     let table = [
         (0.15, [10, 1, 1], [0.6803, 1.0637, 0.9950]),
         (0.15, [10, 2, 1], [0.6900, 0.7424, 0.9965]),
@@ -243,8 +243,8 @@ fn cantilever_table() {
         for (formulation, expected) in ALL.into_iter().zip(expected) {
             let ratio = cantilever(formulation, nu, mesh);
             println!("{nu} {mesh:?} {formulation:?}: {ratio:.4} (table {expected})");
-            // Within 1e-4 with nu = 0 but for one layer of B-bar (0.5 %); with nu = 0.15 it counts how the ends are held and
-            // loaded (0.3 %).
+            // Within 1e-4 for nu = 0, except for one layer of B-bar (0.5 %). For nu = 0.15 the support and loading of
+            // the ends matter (0.3 %).
             assert!(
                 (ratio / expected - 1.0).abs() < 5e-3,
                 "{mesh:?} {formulation:?}: {ratio}"
@@ -287,7 +287,7 @@ fn tangents_are_exact_under_large_rotation_and_strain() {
                 let local = shape.internal_force(&stresses);
                 let mut half_price = vec![0.0; 576];
                 frame.symmetric_stiffness(&shape, &shape.stiffness(&d), &local, &mut half_price);
-                // The same sums by symmetry, in another order.
+                // The same sums by symmetry, in a different order.
                 assert!((dense(&half_price) - k).amax() < 1e-13 * scale);
             }
             for c in 0..24 {
@@ -300,8 +300,8 @@ fn tangents_are_exact_under_large_rotation_and_strain() {
                 let (up, down) = (side(1.0), side(-1.0));
                 for row in 0..24 {
                     let difference = (up[row] - down[row]) / (2.0 * h);
-                    // Third derivatives over h² = 1e-10 mm² of a size of 10 mm, and rounding of
-                    // forces of 1e5 N over 1e-5 mm.
+                    // Tolerance: third derivatives times h² = 1e-10 mm² at a size of 10 mm, and rounding of forces of
+                    // 1e5 N over 1e-5 mm.
                     assert!(
                         (difference - k[(row, c)]).abs() < 2e-7 * scale,
                         "{formulation:?}"
@@ -311,7 +311,7 @@ fn tangents_are_exact_under_large_rotation_and_strain() {
             if symmetric {
                 assert!((k - k.transpose()).amax() < 1e-12 * scale);
             }
-            // Forces and moments balance in the deformed configuration.
+            // Forces and moments are in equilibrium in the deformed configuration.
             let (mut sum, mut moment) = (Vector3::zeros(), Vector3::zeros());
             for a in 0..8 {
                 let f = Vector3::new(force[3 * a], force[3 * a + 1], force[3 * a + 2]);
@@ -342,7 +342,7 @@ fn scaled_stiffness_and_elastic_force_are_those_of_scaled_tangents() {
         let direct = shape.stiffness(&intact.map(|s| c0 * s));
         let scaled = shape.scaled_stiffness(&intact);
         for (direct, scaled) in flat(&direct).iter().zip(flat(&scaled)) {
-            // Entries of 1e5 N/mm, sums in another order.
+            // Entries of 1e5 N/mm, with sums in a different order.
             assert!((direct - scaled).abs() < 1e-10, "{direct} {scaled}");
         }
     }

@@ -1,4 +1,4 @@
-//! Tests of the room `element`.
+//! Tests of the module `element`.
 
 mod corotated;
 mod hex8;

@@ -1,4 +1,4 @@
-//! What is out of balance in few places is balanced there first, and nothing else of a run changes.
+//! Local equilibrium iterations: a residual in a few places is reduced there first, without other changes to a run.
 
 use crate::common::blocks::deck_and_model;
 use crate::common::scene;
@@ -8,11 +8,11 @@ use wythe::model::scene::Fidelity;
 use wythe::state::Clock;
 use wythe::state::HistoryRow;
 
-/// A wall whose ground parts below its middle: one crack climbs, and the rest hardly knows of it.
+/// A wall whose ground separates below its middle: one crack grows, and the rest is hardly affected.
 const PARTED: &str = include_str!("../../../benches/facade.toml");
 
-/// Where a few nodes move, what touches them is all that is evaluated, and forces, stiffness and histories have the bits of
-/// an evaluation of everything.
+/// If only a few nodes move, only their neighbourhood is evaluated. Forces, stiffness and histories are bitwise equal
+/// to a full evaluation.
 #[test]
 fn what_nothing_touches_that_moves_is_as_it_was() {
     let (_, mut model) = deck_and_model(PARTED);
@@ -32,7 +32,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         let rest: Vec<f64> = (0..system.dofs.slots)
             .map(|slot| 1e-4 * (0.7 * slot as f64).sin())
             .collect();
-        // A node in the middle of the wall and those beside it open their joints.
+        // A node in the middle of the wall and its neighbours open their joints.
         let slots: Vec<u32> = (0..12).map(|i| system.dofs.slots as u32 / 2 + i).collect();
         let mut q = rest.clone();
         for &slot in &slots {
@@ -54,7 +54,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         };
         let (mut trial, all) = (run(&mut system, true), run(&mut system, false));
 
-        // Without the numbers in the message: there are thousands.
+        // The message omits the numbers, since there are thousands.
         let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(same(&trial.force, &all.force));
         assert!(trial.joints.status == all.joints.status);
@@ -67,13 +67,13 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
         system.fill(&trial, &mut some);
         system.fill(&all, &mut whole);
         assert!(same(&some, &whole));
-        // Something has happened, and not everywhere.
+        // Some joints are damaged, but not all.
         let damaged = all.joints.history.iter().filter(|h| h.damage > 0.0).count();
         assert!(
             damaged > 0 && damaged < all.joints.history.len() / 4,
             "{damaged}"
         );
-        // What is far is not looked at: what stands there stays.
+        // Distant elements are not evaluated: their old values remain.
         let marked = [[f64::NAN; 3]; 8];
         trial.cells.force[..model.mesh.elements.len()].fill(marked);
         let done = system.evaluate(&model, &state, &mut trial, &q, setting, &mut clock);
@@ -85,7 +85,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
     }
 }
 
-/// The crack takes fewer solves of the whole, and ends where it ended.
+/// The crack takes fewer global solves, and the result is the same.
 #[test]
 fn a_crack_is_balanced_by_itself() {
     let (_, mut model) = deck_and_model(PARTED);
@@ -101,12 +101,12 @@ fn a_crack_is_balanced_by_itself() {
     );
     assert_eq!(all.local_solves, 0);
     assert!(some.local_solves > 0);
-    // 0.57 of them; halves and kept stiffness alone take 0.74 (115 of 156).
+    // 0.57 of them; symmetry and stiffness reuse alone take 0.74 (115 of 156).
     assert!((some.iterations as f64) < 0.65 * all.iterations as f64);
     assert!(some.factorisations <= some.iterations);
     let last = |rows: &[HistoryRow]| rows[rows.len() - 1].clone();
     let (a, b) = (last(&whole.rows), last(&auto.rows));
-    // What `auto` promises (docs/solver.md); which increments were taken makes up to 2e-3.
+    // The documented accuracy of `auto` (docs/solver.md); different increments account for up to 2e-3.
     let apart = |a: f64, b: f64| (a - b).abs() / a.abs();
     assert!(apart(a.force_kN, b.force_kN) < 5e-3, "{a:?} {b:?}");
     assert!(

@@ -1,4 +1,4 @@
-//! Factors that serve several iterates of an increment, and what they change: the way, not where it leads.
+//! Factors that are reused for several iterates of an increment change the iterations, not the result.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn run(example: &str, fidelity: &str, overrides: &[(&str, &str)]) -> (Vec<Histor
     (recording.rows, summary)
 }
 
-/// Beside `full`: fewer factorisations, no more solves, and the same curve.
+/// Compared with `full`: fewer factorisations, no more solves, and the same curve.
 fn serves(
     fidelity: &str,
     example: &str,
@@ -35,11 +35,11 @@ fn serves(
     );
     assert_eq!(all.factorisations, all.iterations);
     assert!(2 * some.factorisations < some.iterations);
-    // What other last digits change of them, too.
+    // Rounding alone changes their number as well.
     assert!((some.iterations as f64) < 1.15 * all.iterations as f64);
     let largest = |rows: &[HistoryRow]| rows.iter().map(&of).fold(0.0, f64::max);
     let last = |rows: &[HistoryRow]| of(&rows[rows.len() - 1]);
-    // What `auto` promises (docs/solver.md).
+    // The documented accuracy of `auto` (docs/solver.md).
     for (a, b) in [
         (largest(&whole), largest(&auto)),
         (last(&whole), last(&auto)),
@@ -48,7 +48,7 @@ fn serves(
     }
 }
 
-/// A wall that is pushed: one right-hand side.
+/// A pushed wall: one right-hand side.
 #[test]
 fn a_pushed_wall_factorises_less() {
     let to = [
@@ -58,7 +58,8 @@ fn a_pushed_wall_factorises_less() {
     serves("auto", "03_shear_wall_j7d", &to, |row| row.force_kN);
 }
 
-/// A wall whose load is steered: two. Its units crack little, so that elastic ones have the same curve.
+/// A wall with a controlled load: two right-hand sides. Its units crack little, so that elastic units give the same
+/// curve.
 #[test]
 fn a_bent_wall_factorises_less() {
     let to = [

@@ -1,4 +1,4 @@
-//! Tests of the room `linear`.
+//! Tests of the module `linear`.
 
 mod elimination;
 mod factors;

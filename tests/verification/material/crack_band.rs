@@ -1,5 +1,5 @@
-//! The width of the band in which softening localises (theory/crack-band.md, eq. 5): what a crack takes hangs on the element's length
-//! across it, whatever its shape.
+//! Width of the band in which softening localises (theory/crack-band.md, eq. 5): the energy of a crack depends on the
+//! element's length across it, independently of its shape.
 
 use std::path::Path;
 
@@ -16,11 +16,11 @@ use wythe::material::{
 use wythe::model::Model;
 use wythe::state::Status;
 
-/// Edges of a bed joint's element in the paper's walls [mm].
+/// Edges of a bed joint element in the paper's walls [mm].
 const EDGES: [f64; 3] = [51.0, 49.0, 12.5];
 /// Length for which the tables hold [mm].
 const REFERENCE: f64 = 20.0;
-/// Rungs of the ladder are half a per cent apart; a point takes the nearest.
+/// Curves exist for widths in steps of half a per cent; a point uses the nearest one.
 const RUNG: f64 = 0.0026;
 
 fn parameters() -> DamagePlasticityParameters {
@@ -42,8 +42,8 @@ fn law(p: &DamagePlasticityParameters, of: Extent) -> DamagePlasticity {
     DamagePlasticity::with(p, curves, of)
 }
 
-/// A block of one element that is pulled by 0.03 mm along each of its edges: force over opening is that of the table
-/// over l_ref, though its lengths differ by four. With the cube root of its volume, it is not.
+/// A one-element block is pulled by 0.03 mm along each of its edges. Force over opening follows the table for l_ref,
+/// although the edges differ by a factor of four. With the cube root of the volume it does not.
 #[test]
 fn a_crack_takes_the_same_whichever_way_an_element_lies() {
     for (band, exact) in [("projected", true), ("volume", false)] {
@@ -103,7 +103,7 @@ follower = false
             for row in recording.rows.iter().skip(1) {
                 let u = row.probes[0];
                 let stress = row.load_factor;
-                // u = L σ/E + l_ref ε_in(σ), the table being a line
+                // u = L σ/E + l_ref ε_in(σ), where the table is a line
                 let slope = 3.2 / 0.002;
                 let by_stress = EDGES[axis] / 16700.0 - REFERENCE / slope;
                 let peak = 3.5 * EDGES[axis] / 16700.0;
@@ -118,17 +118,18 @@ follower = false
             println!("{band} {direction}: {worst:.2e}");
             assert!(softening > 5, "{softening} increments beyond the peak");
             if exact {
-                // The rung, of what has softened.
+                // Tolerance: the step between curves, relative to the softened part.
                 assert!(worst < 2.0 * RUNG, "{direction}: {worst}");
             } else {
-                // l_eq is 31.5 mm: cracks of 51, 49 and 12.5 mm take 1.6, 1.6 and 0.4 times what they should.
+                // l_eq is 31.5 mm: cracks across 51, 49 and 12.5 mm dissipate 1.6, 1.6 and 0.4 times the correct
+                // energy.
                 assert!(worst > 0.1, "{direction}: {worst}");
             }
         }
     }
 }
 
-/// Strain of uniaxial stress along `n`, by the stiffness of nothing across it.
+/// Strain of uniaxial stress along `n` for ν = 0.
 fn along(n: &Vector3<f64>, strain: f64) -> Vector6<f64> {
     let m = n * n.transpose() * strain;
     Vector6::new(
@@ -141,7 +142,7 @@ fn along(n: &Vector3<f64>, strain: f64) -> Vector6<f64> {
     )
 }
 
-/// A band is as wide as the element across the crack that opens first, and stays so when the strain turns.
+/// The band is as wide as the element across the first crack, and remains so when the strain rotates.
 #[test]
 fn a_band_is_held_from_the_onset_on() {
     let p = parameters();
@@ -158,7 +159,7 @@ fn a_band_is_held_from_the_onset_on() {
             .update(&along(&n, 6e-4), &elastic.history, 1.0, false)
             .expect("an answer");
         let band = cracked.history.crack_band;
-        // Principal directions are those of the strain, to the digits that a root of a cubic keeps.
+        // Principal directions are those of the strain, within the precision of the root of a cubic.
         let exact = 1.0 / (c / EDGES[0]).max(s / EDGES[2]);
         assert!(
             (band / exact - 1.0).abs() < 1e-9,
@@ -173,7 +174,7 @@ fn a_band_is_held_from_the_onset_on() {
     }
 }
 
-/// Seen from a frame that is turned with the element, strains and stresses are the same.
+/// In a frame that rotates with the element strains and stresses are the same.
 #[test]
 fn bands_are_objective() {
     let p = parameters();
@@ -200,12 +201,12 @@ fn bands_are_objective() {
         let bands = old.map(|h| h.crack_band);
         assert!((bands[0] / bands[1] - 1.0).abs() < 1e-9, "{bands:?}");
         let sizes = old.map(|h| h.stress.fixed_rows::<3>(0).sum());
-        // Where the widths lie on two sides of a rung's edge, half a per cent of what has softened.
+        // Widths may lie on both sides of the border between two curves: half a per cent of the softened part.
         assert!((sizes[0] - sizes[1]).abs() < 2.0 * RUNG * 3.5, "{sizes:?}");
     }
 }
 
-/// Once it softens, a point has the tangent of its own curve.
+/// Once a point softens, it has the tangent of its own curve.
 #[test]
 fn the_tangent_is_that_of_the_band() {
     let p = parameters();
@@ -230,7 +231,8 @@ fn the_tangent_is_that_of_the_band() {
                     };
                     let slope = (at(strain + by) - at(strain - by)) / (2.0 * h);
                     let error = (answer.tangent.column(i) - slope).amax() / 16700.0;
-                    // Differences of 1e-9 of stresses of 3 MPa in double precision, and kinks of r within them.
+                    // Tolerance: differences of 1e-9 of stresses of 3 MPa in double precision, and kinks of r within
+                    // them.
                     assert!(error < 1e-4, "{i}: {error:.1e}");
                 }
             }
@@ -240,8 +242,8 @@ fn the_tangent_is_that_of_the_band() {
     assert!(checked > 20, "{checked}");
 }
 
-/// The small wall with two and with four elements through its thickness, which nothing happens across: with
-/// `projected` its curve is one, with the cube root of the volume it is not.
+/// The small wall with two and with four elements through its thickness, without cracks normal to it. With
+/// `projected` its curve does not change, with the cube root of the volume it does.
 #[test]
 fn elements_through_the_thickness_do_not_change_what_a_crack_takes() {
     let curve = |band: &str, thickness: usize| {
@@ -265,12 +267,12 @@ fn elements_through_the_thickness_do_not_change_what_a_crack_takes() {
     let [projected, volume] =
         ["projected", "volume"].map(|band| curve(band, 4) / curve(band, 2) - 1.0);
     println!("energies: projected {projected:+.2e}, volume {volume:+.2e}");
-    // What brittle peaks that fall between other increments leave; seen: 0.2 and 3.0 %.
+    // Brittle peaks that fall between different increments account for this; measured: 0.2 and 3.0 %.
     assert!(projected.abs() < 0.005, "{projected}");
     assert!(volume.abs() > 0.02, "{volume}");
 }
 
-/// A band with nothing to be set against is refused; one that would snap back is narrowed and told of.
+/// A band without a reference length is rejected; one that would snap back is narrowed, with a warning.
 #[test]
 fn what_a_deck_says_of_bands_is_checked() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability");

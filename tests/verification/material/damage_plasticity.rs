@@ -61,12 +61,12 @@ fn golden(name: &str, parameters: &DamagePlasticityParameters) {
     };
     let (one, _) = drive(&law, &path, 1);
     let error = worst(&one, &columns("sigBE"));
-    // The curves are given to 1e-9 MPa; strains to 15 digits times E = 16700 MPa.
+    // Tolerance: the curves are given to 1e-9 MPa; strains to 15 digits times E = 16700 MPa.
     assert!(error < 1e-8, "{name}: {error:.2e} MPa from backward Euler");
     let exact = columns("sig");
     let errors = [4, 8, 16].map(|n| worst(&drive(&law, &path, n).0, &exact));
-    // Backward Euler is of first order (or better, where the path is nearly straight); where one step is exact already the reference's own error
-    // (1.3e-8 MPa) is all there is.
+    // Backward Euler is of first order, or better on a nearly straight path. If one step is already exact, only the
+    // reference's own error of 1.3e-8 MPa remains.
     if errors[0] > 1e-6 {
         for pair in errors.windows(2) {
             let ratio = pair[0] / pair[1];
@@ -104,7 +104,7 @@ fn tables_of_the_golden_curves() {
             .collect();
         assert_eq!(nodes.len(), table["kappa"].len());
         for (i, node) in nodes.iter().enumerate() {
-            // Fifteen printed digits.
+            // Tolerance: fifteen printed digits.
             assert!((node.kappa - table["kappa"][i]).abs() < 1e-15);
             assert!((node.effective - table["sigma_bar_MPa"][i]).abs() < 1e-12);
         }
@@ -117,7 +117,7 @@ fn inadmissible_damage_of_the_mortar_is_capped_and_reported() {
     let [TableWarning::DamageCapped { row, to, .. }] = warnings.as_slice() else {
         panic!("one warning: {warnings:?}")
     };
-    // Theory A.5 prints five digits.
+    // theory/damage-plasticity.md, Decisions, "Inadmissible damage", gives five digits.
     assert_eq!(*row, 2);
     assert!((to - 0.93865).abs() < 5e-6, "{to}");
     assert!(
@@ -162,12 +162,12 @@ fn first_yield_of_the_paper_is_exact() {
         } else {
             continue;
         };
-        // F is homogeneous up to its constant: f(s) = s f₁ + f₀ along a ray.
+        // F is homogeneous up to a constant: f(s) = s f₁ + f₀ along a ray.
         let f0 = law.yield_function(&Vector6::zeros(), 0.0, 0.0);
         let f1 = law.yield_function(&direction, 0.0, 0.0) - f0;
         let scale = direction.amax();
         let found = -f0 / f1 * scale;
-        // The file prints six digits.
+        // The file has six digits.
         assert!(
             (found - value).abs() <= 1e-6 * value + 5e-5,
             "{line}: {found}"
@@ -180,11 +180,11 @@ fn first_yield_of_the_paper_is_exact() {
 #[test]
 fn lateral_pressure_raises_the_strength_as_the_closed_form() {
     let law = law(&brick());
-    // Theory A.2: s = σ̄_c + p (1 + 2α + γ)/(1 − α).
+    // theory/damage-plasticity.md, eq. 5: s = σ̄_c + p (1 + 2α + γ)/(1 − α).
     for p in [1.0, 5.0, 20.0] {
         let s = 11.0 + p * (1.0 + 2.0 * 0.16 / 1.32 + 3.0) / (1.0 - 0.16 / 1.32);
         let stress = Vector6::new(-s, -p, -p, 0.0, 0.0, 0.0);
-        // Rounding of numbers of size 100.
+        // Tolerance: rounding of numbers of order 100.
         assert!(law.yield_function(&stress, 0.0, 0.0).abs() < 1e-12);
     }
 }
@@ -206,7 +206,7 @@ fn lee_and_fenves_uniaxial_laws_through_tables() {
                 damage: if i == 0 { 0.0 } else { table["D"][i] },
             })
             .collect();
-        // Every other row: what lies between them is interpolated.
+        // Every other row; the values between are interpolated.
         let coarse: Vec<TableRow> = rows.iter().copied().step_by(2).collect();
         let mut parameters = brick();
         parameters.elastic.E = e;
@@ -251,7 +251,7 @@ fn lee_and_fenves_uniaxial_laws_through_tables() {
     }
 }
 
-/// Axial strain with lateral stresses zero: bisection on the lateral strain.
+/// Axial strain with zero lateral stresses, by bisection on the lateral strain.
 fn uniaxial(law: &DamagePlasticity, axial: f64, old: &MaterialHistory) -> (MaterialHistory, f64) {
     let at = |lateral: f64| {
         let strain = Vector6::new(axial, lateral, lateral, 0.0, 0.0, 0.0);
@@ -259,7 +259,7 @@ fn uniaxial(law: &DamagePlasticity, axial: f64, old: &MaterialHistory) -> (Mater
             .expect("an answer")
             .history
     };
-    // Effective lateral stress rises with the lateral strain.
+    // The effective lateral stress increases with the lateral strain.
     let (mut low, mut high) = (-0.1, 0.1);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -330,12 +330,13 @@ fn tangents_match_central_differences() {
                     let column = answer.tangent.column(j);
                     let central = (up - down) / (2.0 * h);
                     let error = (central - column).amax();
-                    // At a kink (a principal stress changes sign, first yield, a table row within
-                    // h) the tangent is that of one side: theory/damage-plasticity.md, eq. 12.
+                    // At a kink (a principal stress changes sign, first yield, a table row within h) the tangent is
+                    // that of one side (theory/return-map.md, Decisions, "Kinks").
                     let forward = ((up - answer.stress) / h - column).amax();
                     let backward = ((answer.stress - down) / h - column).amax();
-                    // Second order in h: 2.6e-7 E was found with ten times this h and 2.6e-9 E with
-                    // it (theory/return-map.md, Verification asks for 5e-5 E); one-sided differences carry more.
+                    // Error of second order in h: 2.6e-7 E with ten times this h and 2.6e-9 E with it
+                    // (theory/return-map.md, Verification, requires 5e-5 E). One-sided differences have larger
+                    // errors.
                     if error > 1e-7 * e {
                         kinks += 1;
                         assert!(
@@ -350,7 +351,7 @@ fn tangents_match_central_differences() {
         }
     }
     println!("{checked} columns, {kinks} at kinks");
-    // Kinks are a matter of chance; if they were common the tangent would be wrong.
+    // Kinks are rare; frequent ones would indicate a wrong tangent.
     assert!(kinks * 200 < checked, "{kinks} of {checked}");
 }
 
@@ -383,7 +384,7 @@ fn a_rotated_path_gives_rotated_stresses() {
         let (a, _) = drive(&law, &path, 1);
         let (b, _) = drive(&law, &turned, 1);
         for (a, b) in a.iter().zip(&b) {
-            // Rounding, amplified by the return map's tolerance.
+            // Tolerance: rounding, amplified by the tolerance of the return map.
             assert!((turn(a, 1.0) - b).amax() < 1e-9, "{a} {b}");
         }
     }
@@ -405,8 +406,8 @@ fn dissipation_and_balance_on_random_walks() {
                 work += 0.5 * (old.stress + new.stress).dot(&(strain - last));
                 dissipated += answer.energy.plastic_damage + answer.energy.viscous;
                 elastic = answer.energy.elastic;
-                // Theory F: plastic work is not negative (effective stress on inviscid flow), d_t
-                // and d_c do not fall; the recovery term has no sign.
+                // theory/damage-plasticity.md, eq. 16: plastic work is not negative (effective stress times inviscid
+                // flow), d_t and d_c do not decrease; the recovery term may have either sign.
                 let flow = new.plastic_strain - old.plastic_strain;
                 let c0 = wythe::material::elastic_stiffness(&parameters.elastic);
                 let effective = c0 * (strain - new.plastic_strain);
@@ -417,7 +418,7 @@ fn dissipation_and_balance_on_random_walks() {
                 old = new;
                 last = strain;
             }
-            // The identity of the trapezoidal rule: rounding of sums of some 0.1 N/mm².
+            // Tolerance of the identity of the trapezoidal rule: rounding of sums of some 0.1 N/mm².
             let error = (work - elastic - dissipated).abs();
             assert!(
                 error < 1e-12 * (1.0 + work.abs()),
@@ -465,7 +466,7 @@ fn cold_random_steps_always_find_their_root() {
             let c0 = wythe::material::elastic_stiffness(&parameters.elastic);
             let effective = c0 * (strain - new.plastic_strain);
             let f = law.yield_function(&effective, new.kappa_t, new.kappa_c);
-            // Rounding of a trial stress of up to 1e3 MPa in the return.
+            // Tolerance: rounding of a trial stress of up to 1e3 MPa in the return.
             assert!(f < 1e-9 * (1.0 + size * parameters.elastic.E), "{f:.2e}");
         }
     }
@@ -486,7 +487,7 @@ fn viscosity_vanishes_with_its_coefficient_and_delays_otherwise() {
             .fold(0.0, f64::max)
     };
     let peak = with(0.0);
-    // First order in μ.
+    // Error of first order in μ.
     assert!((with(1e-9) - peak).abs() < 1e-6);
     assert!(with(5.0) > 1.1 * peak);
 }
@@ -513,7 +514,7 @@ fn the_bounded_tangent_is_symmetric_and_between_its_bounds() {
                 softening += usize::from(e.dot(&(answer.tangent * e)) < 0.0);
             }
         }
-        // Where nothing yields nothing is changed.
+        // Points that do not yield are unchanged.
         let elastic = law.bounded(&law.secant_stiffness(0.7), 0.7);
         assert!((elastic - c0 * 0.7).amax() < 1e-12 * c0.amax());
     }

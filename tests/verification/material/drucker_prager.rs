@@ -42,7 +42,7 @@ fn law(p: &DruckerPragerParameters, l_eq: f64) -> DruckerPrager {
     DruckerPrager::new(p, Some(l_eq)).expect("sound parameters")
 }
 
-/// η, k and a of the surface, as the theory page has them.
+/// η, k and a of the yield surface, by the formulas of the theory page.
 fn surface(p: &DruckerPragerParameters) -> [f64; 3] {
     let (sin, cos) = p.friction_angle.sin_cos();
     let eta = 6.0 * sin / (3.0 - sin);
@@ -51,7 +51,8 @@ fn surface(p: &DruckerPragerParameters) -> [f64; 3] {
     [eta, k, ((k - eta * f_t / 3.0).powi(2) - f_t * f_t).sqrt()]
 }
 
-/// Strain along z to `end`, the sides at the stress `sides` [MPa], in `rows` rows; sides are loaded first.
+/// Strain along z to `end` with the lateral stress `sides` [MPa], in `rows` rows; the lateral stress is applied
+/// first.
 fn axial(
     p: &DruckerPragerParameters,
     l_eq: f64,
@@ -81,7 +82,7 @@ fn last_axial(walk: &Walk<6, MaterialHistory>) -> f64 {
     walk.records.last().unwrap().state.stress[2]
 }
 
-/// Of the point driver's stresses (1e-10 MPa) and of the yield function.
+/// Tolerance of the point driver's stresses (1e-10 MPa) and of the yield function.
 const NEAR: f64 = 1e-8;
 
 #[test]
@@ -104,7 +105,7 @@ fn triaxial_compression_is_on_the_hyperbola_and_tends_to_the_cone() {
         let (q, mean) = (axial - sides, -(axial + 2.0 * sides) / 3.0);
         let f = (q * q + a * a).sqrt() + eta * mean - k;
         assert!(f.abs() < NEAR * (1.0 + sides), "{f}");
-        // √(q² + a²) − q = a²/2q − …: how far the cone is.
+        // √(q² + a²) − q = a²/2q − …: the distance from the cone.
         let cone = q + eta * mean - k;
         assert!(cone < 0.0 && -cone < a * a / (2.0 * q) + NEAR * (1.0 + sides));
         assert!(-cone < before);
@@ -123,7 +124,7 @@ fn triaxial_compression_is_on_the_hyperbola_and_tends_to_the_cone() {
 
 #[test]
 fn pure_shear_carries_what_the_hyperbola_says() {
-    // Without a mean stress q = √3 τ = √(k² − a²); dilation is held by stress-free sides.
+    // At zero mean stress q = √3 τ = √(k² − a²). Stress-free sides allow the dilation.
     let p = stone();
     let [_, k, a] = surface(&p);
     let law = Material::DruckerPrager(Box::new(law(&p, 50.0)));
@@ -145,7 +146,7 @@ fn pure_shear_carries_what_the_hyperbola_says() {
     assert_eq!(walk.failure, None);
     let tau = walk.records.last().unwrap().state.stress[3];
     assert!((tau - ((k * k - a * a) / 3.0).sqrt()).abs() < NEAR, "{tau}");
-    // Dilation: volume over equivalent plastic strain is η̄ √(q² + a²)/q.
+    // Dilation: the ratio of volumetric to equivalent plastic strain is η̄ √(q² + a²)/q.
     let plastic = walk.records.last().unwrap().state.history.plastic_strain;
     let sin = p.dilation_angle.sin();
     let dilation = 6.0 * sin / (3.0 - sin);
@@ -155,13 +156,13 @@ fn pure_shear_carries_what_the_hyperbola_says() {
     assert!((volume - expected).abs() < 1e-9, "{volume} {expected}");
 }
 
-/// Work of stress over inelastic strain per volume times ℓ is the fracture energy, whatever ℓ.
+/// Work of the stress on the inelastic strain per volume, times ℓ, is the fracture energy for any ℓ.
 #[test]
 fn softening_takes_its_fracture_energy_in_elements_of_any_size() {
     let p = softening();
     for l_eq in [10.0, 50.0, 200.0] {
         for (energy, f, sign) in [(0.05, 1.0, 1.0), (10.0, p.compressive_strength(), -1.0)] {
-            // ω = 6 at the end: e^(-6) is left, and of the residual strength 6/1000 on top.
+            // ω = 6 at the end: e^(-6) remains, plus 6/1000 of the residual strength.
             let end = sign * (6.0 * energy / (f * l_eq) + f / p.elastic.E);
             let walk = axial(&p, l_eq, end, 0.0, 4000);
             assert_eq!(walk.failure, None);
@@ -177,7 +178,7 @@ fn softening_takes_its_fracture_energy_in_elements_of_any_size() {
             let law = law(&p, l_eq);
             let left = law.strength_left(&history);
             assert!((stress - sign * f * left).abs() < NEAR * f, "{stress}");
-            // ∫ y dω from 0 to ω = r ω + (1 − r)(1 − e^(-ω)); steps of 6/4000 leave half of that.
+            // ∫ y dω from 0 to ω = r ω + (1 − r)(1 − e^(-ω)); the error of steps of 6/4000 is half a step.
             let r = wythe::material::drucker_prager::RESIDUAL;
             let omega = -((left - r) / (1.0 - r)).ln();
             let expected = energy * (r * omega + (1.0 - r) * (1.0 - (-omega).exp()));
@@ -233,12 +234,12 @@ fn hydrostatic_tension_returns_to_the_vertex() {
             answer.stress
         );
     }
-    // Nothing more of it is carried: the volume has no stiffness.
+    // The point is at its limit: the volumetric stiffness is zero.
     let volume = answer.tangent * Vector6::new(1.0, 1.0, 1.0, 0.0, 0.0, 0.0);
     assert!(volume.amax() < 1e-8 * p.elastic.E, "{volume}");
 }
 
-/// Without dilation that differs, and without softening, flow is associated: the tangent is symmetric.
+/// With equal friction and dilation and without softening the flow is associated: the tangent is symmetric.
 #[test]
 fn associated_flow_has_a_symmetric_tangent() {
     let p = DruckerPragerParameters {
@@ -302,7 +303,7 @@ fn random_paths_pass_all_checks() {
     }
 }
 
-/// A step across the whole of the softening has an answer, too.
+/// A single step across the whole softening range also has a solution.
 #[test]
 fn one_large_step_finds_its_root() {
     let law = law(&softening(), 100.0);
@@ -323,7 +324,7 @@ fn one_large_step_finds_its_root() {
                 .update(&strain, &MaterialHistory::default(), increment)
                 .unwrap();
             let f = law.yield_function(&answer.stress, &answer.history);
-            // Rounding of a trial stress of 10⁴ MPa times the size.
+            // Tolerance: rounding of a trial stress of 10⁴ MPa times the size.
             assert!(f < 1e-9 * (1.0 + 1e4 * size), "{size} {direction}: {f}");
         }
     }
@@ -348,7 +349,7 @@ fn a_deck_names_the_law() {
         panic!("another law");
     };
     assert_eq!(p, stone());
-    // Written out and read again it is the same.
+    // Writing and reading the deck gives the same deck.
     let again = Deck::from_str(&deck.to_toml().unwrap(), "stone").unwrap();
     assert_eq!(again.materials, deck.materials);
     let associated = Deck::from_str(&DECK.replace("psi = \"15 deg\"\n", ""), "stone").unwrap();

@@ -1,4 +1,4 @@
-//! Tests of the room `material`.
+//! Tests of the module `material`.
 
 mod crack_band;
 mod damage_plasticity;

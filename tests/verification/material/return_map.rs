@@ -1,4 +1,4 @@
-//! The return map where it could fail: its nine equations, the vertex, corners, odd tables.
+//! The return map in difficult cases: its nine equations, the vertex, corners, unusual tables.
 
 use crate::common::{Random, brick, mortar};
 use nalgebra::{Matrix6, Vector6};
@@ -18,10 +18,10 @@ fn step(law: &DamagePlasticity, strain: Vector6<f64>, old: &MaterialHistory) -> 
     law.update(&strain, old, 1.0, true).expect("an answer")
 }
 
-/// Residuals of theory/return-map.md, eq. 8 in their nine unknowns (σ̄, κ_t, κ_c), written without the reduction:
-/// the flow rule with N(σ̄) of A.3, the hardening of A.4, and F ≤ 0. λ is read off tr Δε_p = λT.
-/// Returns the largest, in MPa (κ times E), those of the flow over its condition: near the vertex
-/// of the potential, N turns by dσ̄/A, which λ C₀ multiplies.
+/// Residuals of theory/return-map.md, eq. 8, in the nine unknowns (σ̄, κ_t, κ_c), written without the reduction: the
+/// flow rule with N(σ̄), the hardening (theory/damage-plasticity.md, eqs 6 and 8), and F ≤ 0. λ follows from tr Δε_p
+/// = λT. Returns the largest residual in MPa (κ times E). Those of the flow rule are divided by its condition number:
+/// near the vertex of the potential N rotates by dσ̄/A, which is multiplied by λ C₀.
 fn nine_residuals(
     p: &DamagePlasticityParameters,
     law: &DamagePlasticity,
@@ -37,14 +37,14 @@ fn nine_residuals(
     let lambda = (flow[0] + flow[1] + flow[2]) / dilation;
     let deviator = effective - tensor::UNIT * tensor::mean(&effective);
     let q = (1.5 * tensor::norm_squared(&deviator)).sqrt();
-    // N as a tensor, then with engineering shears.
+    // N as a tensor, then with engineering shear.
     let n = deviator * (1.5 / a.hypot(q)) + tensor::UNIT * (dilation / 3.0);
     let mut voigt = n;
     for k in 3..6 {
         voigt[k] *= 2.0;
     }
     let stress_residual = (c0 * (flow - voigt * lambda)).amax();
-    // Principal values by nalgebra, not by the routine under test.
+    // Principal values by nalgebra, independent of the tested routine.
     let eigen = |s: &Vector6<f64>| {
         let mut v: Vec<f64> = tensor::matrix(s)
             .symmetric_eigenvalues()
@@ -112,12 +112,12 @@ fn all_nine_equations_hold_on_random_walks() {
         }
     }
     println!("largest residual of 9600 steps: {worst:.1e} MPa");
-    // Strains of 1e-2, read back here as differences, round at 1e-18 times E = 1e4 MPa and times
-    // 1/T = 6; f at σ̄ = 10 MPa. (f itself is solved to 1e-12 σ̄_c = 1e-11 MPa or better.)
+    // Tolerance: strains of 1e-2, recovered here as differences, have rounding of 1e-18 times E = 1e4 MPa times 1/T =
+    // 6; f is evaluated at σ̄ = 10 MPa. (f itself is solved to 1e-12 σ̄_c = 1e-11 MPa or better.)
     assert!(worst < 1e-12, "{worst:.1e}");
 }
 
-/// Positive random rows that soften, harden, or stay, with any admissible damage.
+/// Random positive rows that soften, harden or stay constant, with any admissible damage.
 fn odd_table(random: &mut Random, e: f64, strength: f64) -> Vec<TableRow> {
     let mut rows = vec![TableRow {
         stress: strength,
@@ -127,7 +127,7 @@ fn odd_table(random: &mut Random, e: f64, strength: f64) -> Vec<TableRow> {
     for _ in 0..=(random.uniform() * 5.0) as usize {
         let last = rows[rows.len() - 1];
         let stress = strength * (0.02 + 1.3 * random.uniform());
-        // Wide enough not to snap back.
+        // Wide enough to avoid snap-back.
         let least = 1.05 * (last.stress - stress).max(0.0) / e;
         let width = least + 10.0_f64.powf(-5.0 + 3.0 * random.uniform());
         let damage = last.damage + (0.99 - last.damage) * random.uniform().powi(2);
@@ -158,7 +158,7 @@ fn the_map_never_fails_on_tables_that_pass_the_check() {
         p.tension = odd_table(&mut random, p.elastic.E, f_t);
         let f_c = f_t * (2.0 + 10.0 * random.uniform());
         p.compression = odd_table(&mut random, p.elastic.E, f_c);
-        // Tables that the check refuses are no case.
+        // Skip tables that the check rejects.
         let Ok((law, _)) = DamagePlasticity::new(&p, None) else {
             continue;
         };
@@ -166,7 +166,7 @@ fn the_map_never_fails_on_tables_that_pass_the_check() {
         let mut old = MaterialHistory::default();
         for k in 0..60 {
             let size = f_t / p.elastic.E * 10.0_f64.powf(-0.5 + 2.5 * random.uniform());
-            // Half of the steps cold, half walked.
+            // Half of the steps start from the initial state, half continue a walk.
             if k % 2 == 0 {
                 old = MaterialHistory::default();
             }
@@ -187,8 +187,8 @@ fn the_map_never_fails_on_tables_that_pass_the_check() {
     }
     println!("{laws} laws, {plastic} plastic steps, largest F {worst:.1e} of the trial stress");
     assert!(plastic > 5000, "{plastic}");
-    // Rounding of the trial stress in the plastic strain, amplified by β of up to 100 where the
-    // tables let the effective strengths part.
+    // Tolerance: rounding of the trial stress in the plastic strain, amplified by β of up to 100 where the tables
+    // give very different effective strengths.
     assert!(worst < 1e-11, "{worst:.1e}");
 }
 
@@ -217,7 +217,7 @@ fn hydrostatic_tension_returns_along_its_axis_with_the_right_shear_stiffness() {
     for p in [brick(), mortar(2300.0)] {
         let law = law(&p);
         let yield_stress = {
-            // Theory A.2: p = (1−α) σ̄_c/(3α + β).
+            // theory/damage-plasticity.md, eq. 5: p = (1−α) σ̄_c/(3α + β).
             let (sc, st, alpha) = (p.compression[0].stress, p.tension[0].stress, 0.16 / 1.32);
             let beta = (1.0 - alpha) * sc / st - (1.0 + alpha);
             (1.0 - alpha) * sc / (3.0 * alpha + beta)
@@ -230,14 +230,14 @@ fn hydrostatic_tension_returns_along_its_axis_with_the_right_shear_stiffness() {
         assert!(s[0] > 0.0 && s[0] < 2.0 * yield_stress && s[0] == s[1] && s[1] == s[2]);
         assert_eq!(s.rows(3, 3).amax(), 0.0);
         assert!(answer.history.kappa_t > 0.0 && answer.history.kappa_c == 0.0);
-        // A shear strain splits the three equal principal stresses evenly: there the law is smooth.
+        // A shear strain splits the three equal principal stresses symmetrically: there the law is smooth.
         let numeric = differences(&law, &strain, &old, 1e-8);
         for k in 3..6 {
             let (a, b) = (answer.tangent[(k, k)], numeric[(k, k)]);
-            // Second order in shears of 1e-4 MPa over the hyperbola's a = 0.06 MPa: 3e-6, of a
-            // part of the stiffness.
+            // Tolerance: second order in shears of 1e-4 MPa over the hyperbola's a = 0.06 MPa: 3e-6, times a part of
+            // the stiffness.
             assert!((a - b).abs() < 1e-6 * p.elastic.E, "{a} {b}");
-            // Plastic flow has softened it, or the test would say nothing.
+            // Plastic flow must have softened the point for the test to be meaningful.
             assert!(a < 0.5 * p.elastic.shear_modulus());
         }
     }
@@ -251,23 +251,23 @@ fn without_eccentricity_the_vertex_of_the_cone_is_reached() {
     };
     let law = law(&p);
     let old = MaterialHistory::default();
-    // Mostly volume, a little shear: beyond the vertex.
+    // Mostly volumetric strain with a little shear: beyond the vertex.
     let strain = Vector6::new(6e-4, 5e-4, 5.5e-4, 1e-5, -1e-5, 2e-5);
     let answer = step(&law, strain, &old);
     let effective = elastic_stiffness(&p.elastic) * (strain - answer.history.plastic_strain);
     let deviator = effective - tensor::UNIT * tensor::mean(&effective);
-    // Rounding of stresses of 10 MPa.
+    // Tolerance: rounding of stresses of 10 MPa.
     assert!(deviator.amax() < 1e-13, "{deviator}");
     assert!(
         law.yield_function(&effective, answer.history.kappa_t, 0.0)
             .abs()
             < 1e-11
     );
-    // All stress is gone in the deviator, so no shear stiffness is left.
+    // The deviatoric stress is zero, so that no shear stiffness remains.
     let numeric = differences(&law, &strain, &old, 1e-8);
-    // The law is smooth within the cone's vertex region; rounding over h leaves 1e-7 E.
+    // The law is smooth within the vertex region of the cone; rounding over h leaves 1e-7 E.
     assert!((answer.tangent - numeric).amax() < 1e-6 * p.elastic.E);
-    // And a strain with more shear than volume stays on the cone.
+    // A strain with more shear than volume stays on the cone.
     let strain = Vector6::new(6e-4, -4e-4, 1e-4, 1e-5, -1e-5, 2e-5);
     let answer = step(&law, strain, &old);
     let numeric = differences(&law, &strain, &old, 1e-8);
@@ -281,8 +281,8 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
     let c0 = elastic_stiffness(&p.elastic);
     let compliance = c0.try_inverse().expect("regular");
     let old = MaterialHistory::default();
-    // Biaxial compression with a third stress that ends below and above zero: the γ- and the
-    // β-branch of theory/damage-plasticity.md, eqs 2 to 4, which differ in slope.
+    // Biaxial compression with a third stress that ends below or above zero: the γ and β branches of
+    // theory/damage-plasticity.md, eqs 2 to 4, which differ in slope.
     let at = |third: f64| {
         let strain = compliance * Vector6::new(-18.0, -11.0, third, 0.3, 0.0, 0.0);
         let answer = step(&law, strain, &old);
@@ -313,14 +313,13 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
     ] {
         let (strain, tangent, largest) = at(third);
         assert_eq!(largest >= 0.0, third >= above);
-        // 1e-9 of strain are 2e-5 MPa: these differences do not reach across; rounding over
-        // h leaves 1e-7 E.
+        // A strain of 1e-9 is 2e-5 MPa: these differences do not cross the corner; rounding over h leaves 1e-7 E.
         let error = (tangent - differences(&law, &strain, &old, 1e-9)).amax();
         assert!(error < 1e-6 * p.elastic.E, "{third}: {error}");
     }
     let jump = (at(below).1 - at(above).1).amax();
     println!("jump of the tangent at the corner: {jump:.0} MPa");
-    // 1e-12 MPa apart, a smooth law would have the same tangent.
+    // At a distance of 1e-12 MPa a smooth law would have the same tangent.
     assert!(jump > 0.01 * p.elastic.E, "{jump}");
 }
 
@@ -334,7 +333,7 @@ fn strains_without_number_or_measure_are_refused() {
         let refused = law.update(&strain, &old, 1.0, true).err();
         assert_eq!(refused, Some(LocalFailure::StrainNotFinite));
     }
-    // Finite, but its stress is not.
+    // The strain is finite, but its stress is not.
     let huge = Vector6::repeat(1e306);
     let refused = law.update(&huge, &old, 1.0, true).err();
     assert!(

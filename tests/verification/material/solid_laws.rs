@@ -1,4 +1,4 @@
-//! The trait of the solids' laws: every registered law by the generic checks, and laws from outside in elements and runs.
+//! The trait of solid laws: all registered laws with the generic checks, and user-defined laws in elements and runs.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use wythe::point::checks::{self, CheckError, Paths};
 use wythe::solve::{self, Recorder};
 use wythe::state::{Frame, HistoryRow, Status};
 
-/// A material of each kind, and the length of a step that shows the law.
+/// A material of each kind, and a step length that exercises the law.
 fn sample(kind: &str) -> (&'static str, f64) {
     match kind {
         "damage-plasticity" => (
@@ -63,7 +63,7 @@ fn every_registered_law_passes_the_checks() {
     checks::all(&elastic, &Paths::of_step(1e-3)).unwrap();
 }
 
-/// What a law of the tests does wrong.
+/// Deliberate error of a test law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Flaw {
     None,
@@ -72,7 +72,7 @@ enum Flaw {
     Stress,
     Gives,
     Turns,
-    /// Where the first normal strain is larger.
+    /// Not finite above this first normal strain.
     NotFinite(f64),
 }
 
@@ -185,7 +185,7 @@ fn the_checks_find_what_is_wrong() {
     );
 }
 
-/// Plastic strain against the stress gives energy away.
+/// Plastic strain against the stress creates energy.
 #[test]
 fn negative_dissipation_is_found() {
     #[derive(Debug)]
@@ -221,7 +221,7 @@ fn negative_dissipation_is_found() {
     assert!(matches!(found.what, CheckError::Dissipation(_)), "{found}");
 }
 
-/// Damage plasticity as a law from outside, which has the defaults of the trait.
+/// Damage plasticity as a user-defined law with the defaults of the trait.
 #[derive(Debug)]
 struct Outside(DamagePlasticity);
 
@@ -244,7 +244,7 @@ impl SolidLaw for Outside {
     }
 }
 
-/// What an element writes.
+/// Results of an element.
 type Written = ([[f64; 3]; 8], Vec<f64>, [MaterialHistory; 8], PointEnergy);
 
 fn evaluate(
@@ -291,7 +291,7 @@ fn an_element_answers_alike_with_a_law_from_outside() {
         let shape = ElementShape::new(&corners, Formulation::Incompatible, &p.elastic).unwrap();
         let inside = Material::DamagePlasticity(Box::new(law.clone()));
         let outside = Material::Custom(Arc::new(Outside(law)));
-        // Pulled at one edge more than at the other: some points yield, some do not.
+        // One edge is pulled more than the other, so that some points yield and some do not.
         let pulled = |by: f64| {
             corners.map(|[x, y, z]| {
                 let stretch = by * (1.0 + 0.04 * y) * z;

@@ -1,4 +1,4 @@
-//! From a table's rows to curves: what is refused, what is kept exactly, what scales with size.
+//! Curves from tables: rejected rows, exactly reproduced values, scaling with element size.
 
 use crate::common::{brick, csv, mortar};
 use nalgebra::Vector6;
@@ -26,7 +26,7 @@ fn row(stress: f64, inelastic_strain: f64, damage: f64) -> TableRow {
     }
 }
 
-/// A value on the straight lines through points (x, y).
+/// Value at x on the polyline through points (x, y).
 fn polyline(points: &[(f64, f64)], x: f64) -> f64 {
     let i = points[1..points.len() - 1]
         .iter()
@@ -56,10 +56,10 @@ fn the_uniaxial_response_is_the_tables_own_polyline() {
                     let strain = kappa + at.effective / e;
                     let stress = (1.0 - at.damage) * at.effective;
                     let exact = polyline(&response, strain);
-                    // Rounding of stresses of 10 MPa, and of strains times slopes of 16700 MPa.
+                    // Tolerance: rounding of stresses of 10 MPa, and of strains times slopes of 16700 MPa.
                     assert!((stress - exact).abs() < 1e-12, "{stress} {exact}");
                 }
-                // Level beyond the last row.
+                // Constant beyond the last row.
                 let (end, beyond) = (curve.at(last), curve.at(2.0 * last));
                 assert_eq!(
                     (end.effective, end.damage),
@@ -82,7 +82,7 @@ fn damage_is_linear_in_the_inelastic_strain_where_asked_for() {
     for node in curve.nodes() {
         let inelastic = node.kappa + (node.effective - node.stress) / e;
         let damage = 1.0 - node.stress / node.effective;
-        // Rounding of numbers near one.
+        // Tolerance: rounding of numbers of order one.
         assert!(
             (damage - 0.95 * inelastic / 0.002).abs() < 1e-12,
             "{damage} at {inelastic}"
@@ -107,7 +107,7 @@ fn slopes_are_the_derivatives_of_the_values() {
                         (curve.at(kappa + h), curve.at(kappa), curve.at(kappa - h));
                     let damage = (up.damage - down.damage) / (2.0 * h);
                     let effective = (up.effective - down.effective) / (2.0 * h);
-                    // Curvature of d over h: 1e-8 of its change; rounding of σ̄ over h.
+                    // Tolerance: curvature of d over h, 1e-8 of its change; rounding of σ̄ over h.
                     assert!((damage - at.damage_slope).abs() < 1e-7 / width);
                     assert!((effective - at.effective_slope).abs() < 1e-9 / width);
                 }
@@ -128,7 +128,7 @@ fn unusable_tables_are_refused_by_branch_and_row() {
         (vec![first, row(f64::NAN, 1e-3, 0.5)], Some(2)),
         (vec![first, row(1.0, f64::INFINITY, 0.5)], Some(2)),
         (vec![first, row(1.0, 1e-3, 1.0)], Some(2)),
-        // Falls by 2 MPa within less than 2 MPa/E, at the end and before the peak.
+        // A drop of 2 MPa within less than 2 MPa/E, at the end and before the peak.
         (vec![first, row(1.0, 1.9e-4, 0.1)], Some(2)),
         (
             vec![first, row(1.0, 1.9e-4, 0.1), row(4.0, 1e-2, 0.1)],
@@ -160,7 +160,7 @@ fn unusable_tables_are_refused_by_branch_and_row() {
 
 #[test]
 fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
-    // Theory A.8, in units of l_ref: tension, compression.
+    // theory/crack-band.md, eq. 6 and its table, in units of l_ref: tension, compression.
     let printed = [[10.4, 9.2], [1.21, 1.42], [3.29, 3.83]];
     for (p, printed) in paper().into_iter().zip(printed) {
         for ((branch, rows), printed) in branches(&p).into_iter().zip(printed) {
@@ -171,7 +171,7 @@ fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
             let Err(TableError::SnapBack { l_max, .. }) = scaled(1e3) else {
                 panic!("far beyond every limit")
             };
-            // Half of the last printed digit.
+            // Tolerance: half of the last printed digit.
             let digit = if printed > 5.0 { 0.05 } else { 0.005 };
             assert!(
                 (l_max - printed).abs() <= digit,
@@ -185,12 +185,12 @@ fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
                     l_max: named,
                 }) => {
                     assert_eq!((b, row), (branch, rows.len()));
-                    // Rounding.
+                    // Tolerance: rounding.
                     assert!((named / l_max - 1.0).abs() < 1e-12 && l_eq > named);
                 }
                 other => panic!("{other:?}"),
             }
-            // Just below, the damage is capped or taken, but nothing snaps back.
+            // Just below the limit the damage is capped or accepted, but there is no snap-back.
             assert!(
                 !matches!(scaled(0.999 * l_max), Err(TableError::SnapBack { .. })),
                 "{branch}"
@@ -201,7 +201,7 @@ fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
 
 #[test]
 fn the_steepest_fall_is_the_one_that_is_named() {
-    // Falls of 1 MPa over 2e-3, 2.5e-4 and 1e-3 with E = 1e4 MPa: limits 20, 2.5 and 10 l_ref.
+    // Drops of 1 MPa over 2e-3, 2.5e-4 and 1e-3 with E = 1e4 MPa: limits of 20, 2.5 and 10 l_ref.
     let rows = [
         row(4.0, 0.0, 0.0),
         row(3.0, 2e-3, 0.1),
@@ -212,7 +212,7 @@ fn the_steepest_fall_is_the_one_that_is_named() {
     match Curve::new(Branch::Tension, &rows, 1e4, scaling, Interpolation::Eff1) {
         Err(TableError::SnapBack { row, l_max, .. }) => {
             assert_eq!(row, 3);
-            // Rounding of differences of the strains.
+            // Tolerance: rounding of differences of the strains.
             assert!((l_max - 75.0).abs() < 1e-9, "{l_max}");
         }
         other => panic!("{other:?}"),
@@ -229,7 +229,7 @@ fn the_energy_per_area_does_not_depend_on_the_elements_size() {
                 let (curve, _) =
                     Curve::new(branch, rows, p.elastic.E, scaling, Interpolation::Eff1)
                         .expect("below the limit");
-                // Area under σ(ε_in) beyond the peak, and all of it before.
+                // Area below σ(ε_in) beyond the peak, and the whole area before it.
                 let nodes = curve.nodes();
                 let inelastic: Vec<f64> = nodes
                     .iter()
@@ -254,7 +254,7 @@ fn the_energy_per_area_does_not_depend_on_the_elements_size() {
             let reference = energy(l_ref);
             for l_eq in [5.0, 19.7, 50.0, 120.0] {
                 let (before, after) = energy(l_eq);
-                // Rounding of sums of a few products.
+                // Tolerance: rounding of sums of a few products.
                 assert!(
                     (before - reference.0).abs() < 1e-14,
                     "hardening is not scaled"
@@ -265,7 +265,7 @@ fn the_energy_per_area_does_not_depend_on_the_elements_size() {
     }
 }
 
-/// A law whose Poisson's ratio is zero, so that a uniaxial elastic strain is a uniaxial stress.
+/// A law with zero Poisson's ratio, so that a uniaxial elastic strain is a uniaxial stress.
 fn plain(change: impl FnOnce(&mut DamagePlasticityParameters)) -> DamagePlasticity {
     let mut p = brick();
     p.elastic.nu = 0.0;
@@ -273,7 +273,7 @@ fn plain(change: impl FnOnce(&mut DamagePlasticityParameters)) -> DamagePlastici
     DamagePlasticity::new(&p, None).expect("sound tables").0
 }
 
-/// Strain of the uniaxial effective stress `s` on top of the history's plastic strain.
+/// Strain for the uniaxial effective stress `s`, added to the history's plastic strain.
 fn uniaxial(s: f64, history: &MaterialHistory) -> Vector6<f64> {
     let mut strain = history.plastic_strain;
     strain[0] += s / 16700.0;
@@ -282,8 +282,8 @@ fn uniaxial(s: f64, history: &MaterialHistory) -> Vector6<f64> {
 
 #[test]
 fn recovery_factors_give_back_what_they_say() {
-    // Cracked, then pressed: with w_c the tensile damage counts (1 − w_c); crushed, then pulled: the
-    // compressive damage counts (1 − w_t) (theory/damage-plasticity.md, eq. 12).
+    // First cracked, then compressed: the tensile damage counts by (1 − w_c). First crushed, then pulled: the
+    // compressive damage counts by (1 − w_t) (theory/damage-plasticity.md, eq. 12).
     for w in [0.0, 0.3, 1.0] {
         let law = plain(|p| (p.tension_recovery, p.compression_recovery) = (w, w));
         let virgin = MaterialHistory::default();
@@ -303,7 +303,7 @@ fn recovery_factors_give_back_what_they_say() {
                     .history;
                 let (w_t, w_c) = if s > 0.0 { (w, 0.0) } else { (0.0, w) };
                 let intact = (1.0 - (1.0 - w_t) * damage[1]) * (1.0 - (1.0 - w_c) * damage[0]);
-                // Rounding.
+                // Tolerance: rounding.
                 assert!((new.stress[0] - intact * s).abs() < 1e-12, "{w} {s}");
             }
         }
@@ -312,8 +312,8 @@ fn recovery_factors_give_back_what_they_say() {
 
 #[test]
 fn viscosity_relaxes_exponentially_to_the_inviscid_state() {
-    // At a held strain, backward Euler of A.7 closes the gap to the inviscid state by μ/(μ+Δt) a
-    // step; infinitely viscous, the point stays elastic.
+    // At constant strain backward Euler (theory/damage-plasticity.md, eq. 13) reduces the distance to the inviscid
+    // state by μ/(μ+Δt) per step. With infinite viscosity the point remains elastic.
     let strain = Vector6::new(1e-3, -1e-4, 2e-4, 3e-4, 0.0, -1e-4);
     let virgin = MaterialHistory::default();
     let inviscid = plain(|_| ())
@@ -330,7 +330,7 @@ fn viscosity_relaxes_exponentially_to_the_inviscid_state() {
             .history;
         gap *= mu / (mu + dt);
         let expected = inviscid.history.plastic_strain * (1.0 - gap);
-        // Rounding of strains of 1e-3.
+        // Tolerance: rounding of strains of 1e-3.
         assert!((new.viscous_strain - expected).amax() < 1e-17);
         assert!((new.viscous_damage - inviscid.history.damage * (1.0 - gap)).abs() < 1e-14);
         old = new;
@@ -341,12 +341,12 @@ fn viscosity_relaxes_exponentially_to_the_inviscid_state() {
     let mut elastic = brick().elastic;
     elastic.nu = 0.0;
     let exact = elastic_stiffness(&elastic) * strain;
-    // θ = 1e-30, so only rounding is left.
+    // θ = 1e-30, so that only rounding remains.
     assert!((stiff.stress - exact).amax() < 1e-12);
 }
 
-/// Uniaxial stress along x to the strain `end` in `steps`: energy dissipated, final stress, strain
-/// energy left, all per volume.
+/// Uniaxial stress along x to the strain `end` in `steps` steps: dissipated energy, final stress, remaining strain
+/// energy, all per volume.
 fn pull(p: &DamagePlasticityParameters, end: f64, steps: u32) -> (f64, f64, f64) {
     let (law, _) = DamagePlasticity::new(p, None).expect("sound tables");
     let mut old = MaterialHistory::default();
@@ -357,7 +357,7 @@ fn pull(p: &DamagePlasticityParameters, end: f64, steps: u32) -> (f64, f64, f64)
             let strain = Vector6::new(axial, lateral, lateral, 0.0, 0.0, 0.0);
             law.update(&strain, &old, 1.0, false).expect("an answer")
         };
-        // The lateral stress rises with the lateral strain.
+        // The lateral stress increases with the lateral strain.
         let (mut low, mut high) = (-0.05, 0.05);
         while high - low > 1e-17 {
             let middle = 0.5 * (low + high);
@@ -394,13 +394,13 @@ fn the_dissipation_of_a_uniaxial_test_is_the_area_under_its_table() {
             let exact = work - kept;
             let errors = [50, 100, 200].map(|steps| {
                 let (dissipated, stress, elastic) = pull(&p, sign * strain(&last), steps);
-                // The end of the table is reached whatever the steps; the rest is the bisection's.
+                // The end of the table is reached for any number of steps; the tolerance is that of the bisection.
                 assert!((stress - sign * last.stress).abs() < 1e-4, "{stress}");
                 assert!((elastic / kept - 1.0).abs() < 1e-3);
                 (dissipated / exact - 1.0).abs()
             });
             println!("dissipation {exact:.5} N/mm², relative errors {errors:?}");
-            // Trapezoids across the table's corners, which no step ends at.
+            // Trapezoids across the corners of the table, at which no step ends.
             assert!(errors[2] < 2e-4, "{errors:?}");
         }
     }
@@ -423,7 +423,7 @@ fn biaxial_strength_beside_kupfers_tests() {
             .parse()
             .expect("a ratio");
         let direction = Vector6::new(-1.0, second, 0.0, 0.0, 0.0, 0.0);
-        // (1−α) F is homogeneous but for its constant.
+        // (1−α) F is homogeneous up to a constant.
         let constant = law.yield_function(&Vector6::zeros(), 0.0, 0.0);
         let model = -constant
             / (law.yield_function(&direction, 0.0, 0.0) - constant)
@@ -433,7 +433,7 @@ fn biaxial_strength_beside_kupfers_tests() {
             "{line}: test {test}, model {model:.4}, {:+.1} %",
             100.0 * (model / test - 1.0)
         );
-        // Half of the last digit of the file.
+        // Tolerance: half of the last digit of the file.
         assert!((model - named).abs() <= 5e-5, "{model} {named}");
         rows += 1;
     }

@@ -1,4 +1,4 @@
-//! Models built from Rust, and runs that go on by request.
+//! Models built from Rust, and runs that advance step by step on request.
 
 use crate::common::scene;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use wythe::model::scene::{BeamMotion, Step};
 use wythe::solve::Stepper;
 use wythe::state::Status;
 
-/// A cube of elastic stone whose top is drawn up by 0.1 mm.
+/// A cube of elastic stone whose top is lifted by 0.1 mm.
 fn cube() -> ModelBuilder {
     let mut cube = ModelBuilder::new("cube");
     let stone = cube.material(
@@ -42,7 +42,7 @@ fn a_built_cube_carries_its_stiffness() {
     assert_eq!(model.beams[0].normal, [0.0, 0.0, 1.0]);
     let rows = scene::completed(&model).rows;
     let last = rows.last().unwrap();
-    // Corotational elements: F = E A ε with the engineering strain, but for rounding.
+    // Corotational elements give F = E A ε with the engineering strain, up to rounding.
     let force = 1000.0 * 1e4 * 1e-3 * 1e-3;
     assert!(
         (last.force_kN / force - 1.0).abs() < 1e-10,
@@ -64,7 +64,7 @@ fn a_stepper_takes_the_increments_of_a_run() {
         assert_eq!(a.force_kN.to_bits(), b.force_kN.to_bits());
         assert_eq!(a.displacement_mm.to_bits(), b.displacement_mm.to_bits());
     }
-    // One that is left after three increments has solved three.
+    // A stepper that is stopped after three increments has solved three.
     let mut stepper = Stepper::new(Arc::new(model));
     assert_eq!(stepper.by_ref().take(3).count(), 3);
     let summary = stepper.finish().unwrap().unwrap();

@@ -1,5 +1,5 @@
-//! Mirrors: what stands for the other half where a plane of symmetry cuts joints is no part of the scene; what the plane
-//! holds is not moved across it.
+//! Mirror bodies: the rigid body that stands for the other half, where a plane of symmetry cuts joints, is not part
+//! of the scene. Bodies that the plane holds are not moved across it.
 
 use crate::common::blocks::{Bad, deck_and_model as model, refuses};
 use wythe::deck::{Deck, check};
@@ -38,7 +38,7 @@ on = \"wall.bottom\"
 
 const STEP: &str = "[[steps]]\nkind = \"gravity\"\n";
 
-/// The bond of units that meet the mirror scatters as that of the others; the checker tells their stiffness.
+/// The joints at the mirror have random strengths like the others; the checker reports their stiffness.
 #[test]
 fn joints_in_the_plane_scatter_like_all_others() {
     let scatter = "[interfaces.joint.scatter]\ncv = 0.3\nseed = 1\n";
@@ -75,7 +75,7 @@ fn joints_in_the_plane_scatter_like_all_others() {
     );
 }
 
-/// The nearest node to a point is one of the wall, however near the mirror's corners are.
+/// The nearest node to a point belongs to the wall, however close the mirror's corners are.
 #[test]
 fn no_probe_and_no_load_takes_a_mirror() {
     let near = "near = [300, -200, -150]";
@@ -90,7 +90,7 @@ fn no_probe_and_no_load_takes_a_mirror() {
     assert_eq!(shares, &[(node, 1.0)]);
 }
 
-/// A mesh without an element for the unit is one error, whatever the planes make of it.
+/// A mesh without an element for the unit gives a single error for any planes.
 #[test]
 fn a_mesh_without_units_is_one_error() {
     for mesh in ["[0, 2, 2]", "[1, 0, 0]"] {
@@ -169,7 +169,7 @@ const ACROSS: &[Bad] = &[
 fn what_the_plane_holds_is_not_moved_across_it() {
     let good = format!("{HALF}{BLOCK}{STEP}");
     refuses(&good, ACROSS);
-    // Along the plane, and on what only ends there, all of it is right.
+    // Motions along the plane, and of bodies that only touch it, are valid.
     for right in [
         "kind = \"drive\"\nspring = \"jack\"\ndirection = \"z\"\ndisplacement = 1",
         "kind = \"load\"\n[[steps.loads]]\nname = \"f\"\non = \"slab\"\nforce = [0, 10, 0]",
@@ -179,7 +179,7 @@ fn what_the_plane_holds_is_not_moved_across_it() {
     ] {
         model(&good.replace("kind = \"gravity\"", right));
     }
-    // A beam that turns is moved by a jack of its own.
+    // A beam that rotates is moved by a jack of its own.
     let beam = "[[beams]]\nname = \"beam\"\non = \"wall.top\"\ndepth = 100\nrotation = \"free\"\ninterface = \"joint\"\n";
     let push =
         "[[steps]]\nkind = \"drive\"\nbeam = \"beam\"\ndirection = \"z\"\ndisplacement = 1\n";

@@ -1,4 +1,4 @@
-//! Tests of the room `model`.
+//! Tests of the module `model`.
 
 mod builder;
 mod mirrors;

@@ -1,4 +1,4 @@
-//! Random walls are told by their half.
+//! Random walls: the half gives the result of the whole.
 
 use crate::common::halves::{WALL, apart, both};
 use crate::common::scene::Recording;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use wythe::state::HistoryRow;
 
-/// The same walls every time, so that a change is told from chance; `PROPTEST_RNG_SEED` makes others.
+/// The same walls in every run, so that failures are reproducible; `PROPTEST_RNG_SEED` selects others.
 fn random() -> ProptestConfig {
     let given = ProptestConfig::default();
     let rng_seed = match given.rng_seed {
@@ -24,11 +24,11 @@ fn random() -> ProptestConfig {
 proptest! {
     #![proptest_config(random())]
 
-    /// Whatever it is made of and however it is pressed and pushed: force and energies of a wall that cracks and
-    /// slides are those of the whole within the half per cent that `auto` promises. Its path hangs on what the tolerance
-    /// leaves of every increment: where the whole moves by more than a quarter of a per cent at a quarter of its
-    /// tolerance, the half may be as far off again, to the other side. Increments of a fortieth of the push: of those twice
-    /// as long one wall took 25 and its half 23, with a brittle peak between them that they met 0.8 % apart.
+    /// For any material, pressure and push the force and the energies of a wall that cracks and slides agree with
+    /// those of the whole within the documented 0.5 % of `auto`. The path depends on the residual of every increment.
+    /// If the whole changes by more than 0.25 % at a quarter of its tolerance, the half may differ by as much again
+    /// with the opposite sign. Increments are a fortieth of the push. With increments twice as long one wall took 25
+    /// and its half 23, with a brittle peak between them, and the peaks differed by 0.8 %.
     #[test]
     fn random_walls_are_told_by_their_half(
         brick in 2.0..20.0_f64,
@@ -85,7 +85,7 @@ tolerance = {{ residual = {tolerance}, max_iterations = 100 }}
     }
 }
 
-/// Linear between points of a curve.
+/// Linear interpolation between points of a curve.
 fn at(points: &[[f64; 2]], x: f64) -> f64 {
     let i = points
         .partition_point(|p| p[0] < x)

@@ -1,12 +1,12 @@
-//! Whether what is solved as a half stands by more than its symmetry.
+//! Whether a model that is solved as a half is stable only because of its symmetry.
 
 use crate::common::blocks::deck_and_model;
 use crate::common::scene;
 use wythe::state::Status;
 
-/// A column that buckles would stand as a half, which is held in its plane; the run ends where it has found that, from
-/// Euler's load on: π² E I/4 L² = 10,280 N, 0.514 MPa. Twenty elements along it, shear and the compression before it buckles
-/// move that by less than the tenth asked for.
+/// A column that buckles would be stable as a half, which is held in its plane. The run ends when it detects this,
+/// from Euler's load on: π² E I/4 L² = 10,280 N, 0.514 MPa. Twenty elements along it, shear and the compression
+/// before it buckles change that by less than the tolerance of a tenth.
 #[test]
 fn what_buckles_to_one_side_is_no_half() {
     let column_with = |pressure: f64, mesh: &str, more: &str| {
@@ -35,16 +35,16 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
     };
     let column = |pressure, mesh: &str| column_with(pressure, mesh, "");
     let falls = |more: &str| column_with(0.565, "[1, 1, 20]", more).0 == Status::NotConverged;
-    // A load that has come back has been there.
+    // A load that is removed again has acted nevertheless.
     assert!(falls("amplitude = [[0, 0], [0.5, 1], [1, 0]]"));
-    // A prop at its head carries 8 times as much; one along it, or across the other plane, nothing.
+    // A prop at its head carries 8 times as much; a prop along it, or across the other plane, has no effect.
     let prop = |stiffness: &str| {
         format!("[[springs]]\nname = \"prop\"\non = \"column.top\"\nstiffness = {stiffness}")
     };
     assert!(!falls(&prop("[0, 1e4, 0]")));
     assert!(falls(&prop("[1e4, 0, 0]")));
     assert!(falls(&prop("[0, 0, 100]")));
-    // Of one, two and three elements across the plane it buckles out of, and as many across the other.
+    // One, two and three elements across the plane out of which it buckles, and as many across the other.
     for mesh in ["[1, 1, 20]", "[2, 2, 20]", "[2, 3, 20]", "[3, 1, 20]"] {
         assert_eq!(column(0.46, mesh).0, Status::Completed, "{mesh}");
         let (status, told) = column(0.565, mesh);
@@ -54,7 +54,7 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
     }
 }
 
-/// A prism that slides freely on its bed may turn about its axis, which neither stands nor falls, pressed or not.
+/// A prism that slides freely on its bed may rotate about its axis. This motion is neutral, with or without pressure.
 #[test]
 fn what_nothing_holds_at_rest_is_no_matter_of_symmetry() {
     let text = r#"format = 1

@@ -1,4 +1,4 @@
-//! Planes of symmetry: the part that is modelled gives the curve of the whole; what is no mirror image is refused.
+//! Planes of symmetry: the modelled part gives the curve of the whole; asymmetric models are rejected.
 
 use crate::common::blocks::{self, Bad, deck_and_model as model, refuses};
 use crate::common::scene::rows;
@@ -36,7 +36,7 @@ fn hold(on: &str, axis: &str, corners: &str) -> String {
     format!("[[supports]]\non = \"{on}\"\nfixed = [\"{axis}\"]\nbox = {corners}\n")
 }
 
-/// A pressed prism of dry stones, whole, in halves and quarters, on either side of the planes.
+/// A compressed prism of dry stones, whole, in halves and quarters, on either side of the planes.
 #[test]
 fn parts_of_a_prism_carry_parts_of_its_load() {
     let steps = "[[supports]]
@@ -75,8 +75,8 @@ displacement = 0.5
         (4.0, quarter("below")),
         (4.0, quarter("above")),
     ] {
-        // Increments end on equilibrium within 2e-3 of a nodal force in the mean: 3e-7 found of the force at their end. Work
-        // is summed over increments, of which the parts choose their own: 2e-5.
+        // Increments end in equilibrium within 2e-3 of the mean nodal force: 3e-7 measured for the force. Work is
+        // summed over increments, which the parts choose themselves: 2e-5.
         let within = [1e-5, 1e-4, 1e-4];
         for ((whole, found), within) in whole.into_iter().zip(force(&planes)).zip(within) {
             assert!(
@@ -89,7 +89,7 @@ displacement = 0.5
 
 const EXAMPLE: &str = include_str!("../../../examples/65_quarter_wall.toml");
 
-/// Pressure of the airbag over the deflection of the middle, at these deflections [mm].
+/// Pressure of the airbag at these deflections of the middle [mm].
 fn pressures(text: &str, at: &[f64]) -> Vec<f64> {
     let (deck, model) = model(text);
     let columns = model.columns();
@@ -109,7 +109,7 @@ fn pressures(text: &str, at: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Example 65: out of plane, beyond the load at which joints open, whole and by halves and quarters.
+/// Example 65: out-of-plane bending beyond the load at which joints open, whole and by halves and quarters.
 #[test]
 fn a_quarter_of_a_wall_bends_like_the_whole() {
     let planes = EXAMPLE.find("[[symmetry]]").unwrap();
@@ -137,11 +137,11 @@ fn a_quarter_of_a_wall_bends_like_the_whole() {
     let quarter = [head, &EXAMPLE[planes..supports], &feet, &tail].concat();
     let at = [0.05, 0.1, 0.2, 0.3, 0.45];
     let whole = pressures(&whole, &at);
-    // Joints open well before the end: the stiffness falls to less than half.
+    // Joints open well before the end: the stiffness drops to less than half.
     assert!(whole[4] / at[4] < 0.5 * whole[0] / at[0]);
     for part in [half, quarter] {
         for (found, whole) in pressures(&part, &at).into_iter().zip(&whole) {
-            // The curve is read between increments that do not fall on the same places: 4e-4 found.
+            // The curve is interpolated between different increments: 4e-4 measured.
             assert!((found / whole - 1.0).abs() < 2e-3, "{found}, {whole}");
         }
     }
@@ -177,8 +177,8 @@ mesh = [5, 2, 2]
 clamped = false
 ";
 
-/// With mortar the halves of a wall are mirror images but for the faces at which its joints open: the bond in the plane
-/// now breaks in the middle of the mortar.
+/// With mortar the halves of a wall are mirror images except for the faces at which joints open: the bond in the
+/// plane now breaks in the middle of the mortar.
 #[test]
 fn half_a_wall_with_mortar_is_nearly_half_of_the_whole() {
     let common = [
@@ -211,24 +211,24 @@ pressure = 0.1
         &at,
     );
     for (half, whole) in half.into_iter().zip(whole) {
-        // 0.4 % at the peak, 1.4 % behind it: 5 mm between where the joint in the middle breaks.
+        // 0.4 % at the peak, 1.4 % beyond it: the joint in the middle breaks at a place that differs by 5 mm.
         assert!((half / whole - 1.0).abs() < 0.02, "{half}, {whole}");
     }
 }
 
-/// What is held and what meets what, by counting.
+/// Supports and contact of the part, by counting.
 #[test]
 fn planes_cut_units_and_joints() {
     let steps =
         "[[supports]]\non = \"wall.bottom\"\nfixed = [\"z\"]\n[[steps]]\nkind = \"gravity\"\n";
     let text = format!("{STONE}courses = 2\n{}{steps}", plane("x", 300.0, "below"));
     let (deck, model) = model(&text);
-    // Half of the bed, and all that lies below the plane: 1.5 stones of 200, and a half and a whole one.
+    // Half of the bed, and everything below the plane: 1.5 stones of 200, and a half and a whole one.
     let volume: f64 = (0..model.mesh.elements.len())
         .map(|e| model.mesh.volume(e))
         .sum();
     assert!((volume / (300.0 * 100.0 * 160.0) - 1.0).abs() < 1e-12);
-    // The stone of the lower course is held at the plane, that of the upper one meets the mirror.
+    // The stone of the lower course is fixed at the plane, that of the upper one meets the mirror.
     let held = model
         .supports
         .iter()
@@ -360,7 +360,7 @@ fn what_is_no_mirror_image_is_refused() {
     refuses(&text, BAD);
 }
 
-/// A chain line in the elevation, the section or plans that it crosses, and one in the legend.
+/// A chain line in the elevation and in each section or plan that the plane crosses, and one in the legend.
 #[test]
 fn planes_are_drawn() {
     let lines = |text: &str| {
@@ -370,13 +370,13 @@ fn planes_are_drawn() {
     };
     let planes = EXAMPLE.find("[[symmetry]]").unwrap();
     let end = EXAMPLE.find("[[supports]]").unwrap();
-    // x and z: two in the elevation, one in the section, one in each of two plans, and the legend's.
+    // x and z: two in the elevation, one in the section, one in each of two plans, and one in the legend.
     assert_eq!(lines(EXAMPLE), 6);
     let whole = format!("{}{}", &EXAMPLE[..planes], &EXAMPLE[end..]);
     assert_eq!(lines(&whole), 0);
 }
 
-/// What a body is called does not make a plane of what holds it.
+/// The name of a body does not turn its supports into a plane of symmetry.
 #[test]
 fn a_block_with_the_name_of_a_plane_is_held_by_the_ground() {
     let text = format!(

@@ -1,6 +1,6 @@
-//! The files of a run, written through the public door with fields known in closed form.
+//! The files of a run, written through the public interface with fields known in closed form.
 //!
-//! `tests/python/` reads the same folder with VTK and h5py and compares with the same formulas.
+//! `tests/python/` reads the same folder with VTK and h5py and compares it with the same formulas.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use wythe_core::results::RunDirectory;
 use wythe_core::solve::Recorder;
 use wythe_core::state::{Frame, HistoryRow, Summary};
 
-/// Elements along x: three cubes of 100 mm that share no nodes, 1 mm apart.
+/// Elements along x: three cubes of 100 mm, 1 mm apart, that share no nodes.
 const CUBES: u32 = 3;
 /// Output increments; increment n is at time n/2.
 const INCREMENTS: usize = 4;
@@ -105,9 +105,8 @@ fn model() -> Model {
     }
 }
 
-/// With t the time, n the node, e the element and i the component:
-/// u = (1e-3 t x, −2e-3 t y, t n), σ = t (10 e + i), ε_p = 1e-3 σ, d_t = t e/10, d_c = t/(8 + e); the
-/// probe sees −8 t.
+/// With t the time, n the node, e the element and i the component: u = (1e-3 t x, −2e-3 t y, t n), σ = t (10 e + i),
+/// ε_p = 1e-3 σ, d_t = t e/10, d_c = t/(8 + e); the probe is −8 t.
 fn frame(model: &Model, t: f64) -> Frame {
     let elements = || (0..model.mesh.elements.len()).map(|e| e as f64);
     let tensor = |scale: f64, e: f64| std::array::from_fn(|i| scale * t * (10.0 * e + i as f64));
@@ -162,7 +161,7 @@ fn summary() -> Summary {
 
 #[test]
 fn a_folder_of_known_fields_is_written_for_the_readers() {
-    // Kept after the test: the Python tests read it.
+    // The folder remains after the test, because the Python tests read it.
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("known_fields.out");
     let model = model();
     let mut run = RunDirectory::create(&out, &model).unwrap();
@@ -178,7 +177,7 @@ fn a_folder_of_known_fields_is_written_for_the_readers() {
         .unwrap();
     assert_eq!(written.peak_force_kN, Some(30.0));
     assert_eq!(written.displacement_at_peak_mm, Some(3.0));
-    // 24 kN lies 0.6 of the way from 30 to 20.
+    // 24 kN is at 0.6 of the way from 30 to 20 kN.
     let at_80 = written.displacement_at_80_percent_mm.unwrap();
     assert!((at_80 - 3.6).abs() < 1e-14); // one interpolation in f64
     assert_eq!(written.initial_stiffness_kN_per_mm, Some(10.0));

@@ -1,4 +1,4 @@
-//! Tests of the room `results`.
+//! Tests of the module `results`.
 
 mod files;
 mod probes;

@@ -1,4 +1,4 @@
-//! Probes: what a deck asks the history to follow.
+//! Probes: quantities that a deck adds to the history.
 
 use crate::common::blocks::{Bad, HEAD, deck, model, refuses};
 use crate::common::scene::Recording;
@@ -6,7 +6,7 @@ use wythe::model::Model;
 use wythe::model::scene::Fidelity;
 use wythe::state::Status;
 
-/// A block is pushed over another on a dry joint; then both fly on.
+/// A block is pushed over another one on a dry joint; then both fly freely.
 const SCENE: &str = r#"
 [[blocks]]
 name = "base"
@@ -68,7 +68,7 @@ fn probes_follow_nodes_faces_and_blocks() {
     let columns: Vec<&str> = model.probes.iter().map(|p| p.column.as_str()).collect();
     assert_eq!(columns, ["slip_mm", "lag_mm", "slip_mm_per_s"]);
     model.output.every = 1;
-    model.fidelity = Fidelity::Full; // its states are looked at
+    model.fidelity = Fidelity::Full; // the test reads its states
     let (recording, summary) = crate::common::scene::run(&model);
     assert_eq!(summary.status, Status::Completed, "{}", summary.message);
     let Recording {
@@ -84,9 +84,9 @@ fn probes_follow_nodes_faces_and_blocks() {
         let u = &frame.displacement;
         let mean = |of: Vec<usize>| of.iter().map(|&n| u[n][0]).sum::<f64>() / of.len() as f64;
         let slip = mean(nodes(1, 50.0).collect()) - mean(nodes(0, 50.0).collect());
-        // Sums of ten numbers up to 2, in another order.
+        // Tolerance: sums of ten numbers up to 2, in a different order.
         assert!((row.probes[0] - slip).abs() < 1e-14, "{row:?}");
-        // The first node of the base's top, and that of the driven face.
+        // The first node of the base's top, and the first node of the driven face.
         assert_eq!(x[10], [0.0, 0.0, 50.0]);
         assert_eq!(row.probes[1], -(row.displacement_mm - u[10][0]));
         let dofs = wythe::assembly::DofMap::new(&model);
@@ -136,7 +136,7 @@ fn decks_with_probes_survive_a_round_trip() {
     assert_eq!(again, first, "{text}");
 }
 
-/// What is replaced in the scene, by what, the key of the error, part of it, part of the advice.
+/// Replaced text of the scene, its replacement, the key of the error, part of it, part of the advice.
 const BAD: &[Bad] = &[
     (
         "name = \"lag\"",

@@ -1,4 +1,4 @@
-//! Amplitudes: turning points, hysteresis of friction, inertia, refusals.
+//! Amplitudes: turning points, hysteresis of friction, inertia, rejected input.
 
 use crate::common::scene::{completed, gap, run};
 use wythe::deck::Deck;
@@ -21,7 +21,7 @@ const PRESSURE: f64 = 0.24;
 /// k_s over the area [N/mm].
 const STIFFNESS: f64 = 2e2 * 1e4;
 
-/// A block of 100 × 100 × 50 mm, hardly deformable, on a base, pressed and driven in x.
+/// A nearly rigid block of 100 × 100 × 50 mm on a base, compressed and driven in x.
 fn slider(step: &str) -> String {
     format!(
         "format = 1\n[materials.stone]\nE = 1e8\nnu = 0\ndensity = \"2000 kg/m^3\"\n\
@@ -35,8 +35,8 @@ fn slider(step: &str) -> String {
     )
 }
 
-/// 4 μN (a − u) for each cycle of amplitude a with the elastic slip u = μN/k, but μN u less on the way to
-/// the first.
+/// The dissipation is 4 μN (a − u) per cycle of amplitude a with the elastic slip u = μN/k, and μN u less on the
+/// first loading branch.
 #[test]
 fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
     let force = MU * PRESSURE * 1e4;
@@ -47,14 +47,14 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
             "displacement = 2\namplitude = [[0, 0], [0.05, 0.5], [0.15, -0.5], [0.25, 0.5], [0.35, -0.5], [0.4, 0], \
              [0.5, 1], [0.65, -1], [0.8, 1], [0.95, -1], [1, 0]]",
         ] {
-            // Slow: the block's mass is a kilogram, its period a millisecond.
+            // Slow: the block has a mass of one kilogram and a period of a millisecond.
             let text = slider(&format!(
                 "{drive}\nprocedure = \"{procedure}\"\nduration = 100\nincrements = {{ initial = 1e-4, max = 2e-3 }}"
             ));
             let model = model(&text);
             let recording = completed(&model);
             let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();
-            // Every turning point is met, at rest at the end.
+            // Every turning point is reached; the block is at rest at the end.
             let tips = |way: f64| {
                 let met = |r: &&&HistoryRow| (r.displacement_mm - way).abs() < 1e-12;
                 rows.iter().filter(met).count()
@@ -76,8 +76,8 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
                 "{procedure}: {} rows, loops {error:.1e}, balance {open:.1e}",
                 rows.len()
             );
-            // By the trapezoidal rule the first increment after each of eight turning points counts nothing:
-            // 2.4 µm less 2u of 24 mm; the rest is the tolerance of forces, and what inertia leaves.
+            // By the trapezoidal rule the first increment after each of eight turning points does no work: 2.4 µm
+            // minus 2u, of 24 mm. The rest is the equilibrium tolerance and inertia.
             assert!(error.abs() < 1e-3, "{procedure}: {error:e}");
             assert!(open.abs() < 1e-3, "{procedure}: {open:e}");
             let most = rows.iter().map(|r| r.force_kN.abs()).fold(0.0, f64::max);
@@ -89,8 +89,8 @@ fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
     }
 }
 
-/// The golden path of the law in mode II under 0.5 MPa, an increment a row, by a joint of 100 × 100 mm
-/// between two blocks.
+/// The golden path of the law in mode II under 0.5 MPa, one increment per row, for a joint of 100 × 100 mm between
+/// two blocks.
 #[test]
 fn a_joint_follows_the_golden_cyclic_path() {
     let golden = crate::common::csv("golden/itf_T1_mode2_cyclic.csv");
@@ -98,7 +98,7 @@ fn a_joint_follows_the_golden_cyclic_path() {
     let law = "f_t = 0.28\nc = 0.87\ntan_phi = 1.01\nmu = 0.73\nzeta = 4.38\nxi = 1.1\nu_k = 0.2\ndelta_k = 0.4\n\
          normal_stiffness = 99000\nshear_stiffness = 43043.47826086957\n";
     let most = ways.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
-    // The way begins at rest; a row that stays where the last one was is none.
+    // The path starts at rest; rows without a change are omitted.
     let mut rows = vec![[0.0, 0.0]];
     let mut places = Vec::new();
     for (way, shear) in ways.iter().zip(shear) {
@@ -131,7 +131,7 @@ fn a_joint_follows_the_golden_cyclic_path() {
         worst = worst.max((row.force_kN * 1e3 / 1e4 - shear).abs());
     }
     println!("{} rows, off by {worst:.1e} MPa", places.len());
-    // The blocks give way by 2e-6 mm, which the softening makes 1e-5 MPa of; and the tolerance of forces.
+    // The blocks deform by 2e-6 mm, which softening turns into 1e-5 MPa; the rest is the equilibrium tolerance.
     assert!(worst < 5e-5, "{worst:e}");
 }
 
@@ -148,7 +148,7 @@ fn along_a_path_an_amplitude_must_rise() {
     }
 }
 
-/// Half of the displacement in the first tenth of the time, and a rest at the end.
+/// Half of the displacement in the first tenth of the time, and a constant part at the end.
 #[test]
 fn rows_are_met_at_their_times() {
     let rows =
@@ -165,18 +165,18 @@ fn rows_are_met_at_their_times() {
     }
 }
 
-/// A step that stops at a displacement counts it either way.
+/// A step that stops at a displacement counts it in both directions.
 #[test]
 fn cycles_stop_where_they_have_gone_far_enough() {
     let stop = "cycles = { amplitudes = [1, 2] }\nstop = { displacement = 1.5 }";
     let (recording, summary) = run(&model(&slider(stop)));
     assert_eq!(summary.status, Status::Completed);
     let last = recording.rows.last().unwrap().displacement_mm;
-    // To the rounding of sums.
+    // Tolerance: rounding of sums.
     assert!((1.5 - 1e-12..1.6).contains(&last), "{last}");
 }
 
-/// The example runs to its end with the loops that it promises.
+/// The example completes with the documented hysteresis loops.
 #[test]
 fn the_cyclic_example_dissipates_what_it_says() {
     let deck = crate::common::examples::load("41_cyclic_block", &[]);
@@ -187,11 +187,11 @@ fn the_cyclic_example_dissipates_what_it_says() {
         .last()
         .unwrap()
         .interface_dissipation_J;
-    // 4 · 1440 N (2 · 1 mm + 2 · 2 mm) = 34.6 J, a hundredth less for what is elastic and the increments.
+    // 4 · 1440 N (2 · 1 mm + 2 · 2 mm) = 34.6 J, minus a hundredth for elastic slip and the increments.
     assert!((last / 34.56 - 1.0).abs() < 2e-2, "{last}");
 }
 
-/// A probe goes out and comes back: the load that this takes is found.
+/// A probe moves out and back: the required load is found.
 #[test]
 fn a_steered_displacement_may_turn_back() {
     let amplitude = ("steps.1.amplitude", "[[0, 0], [0.5, 1], [1, 0.2]]");
@@ -228,7 +228,7 @@ fn a_steered_displacement_may_turn_back() {
     }
 }
 
-/// The wallette of the example: tips are met, energies close, loops are wide.
+/// The wallette of the example: turning points are reached, energies balance, loops are wide.
 #[test]
 fn a_wallette_is_sheared_to_and_fro() {
     let deck = crate::common::examples::load("42_cyclic_wall", &[]);
@@ -248,7 +248,7 @@ fn a_wallette_is_sheared_to_and_fro() {
         .fold(0.0, f64::max);
     println!("open {:.1e}", open / last.external_work_J);
     assert!(open < 1e-2 * last.external_work_J); // theory/energies.md, eq. 18
-    // The area of the loops is what was dissipated in them, but for the elastic energy that stays.
+    // The area of the loops is the dissipation, up to the remaining elastic energy.
     let ends = recording.rows.windows(2).filter(|pair| pair[1].step == 1);
     let strip = |pair: &[HistoryRow]| {
         let way = pair[1].displacement_mm - pair[0].displacement_mm;
@@ -261,7 +261,7 @@ fn a_wallette_is_sheared_to_and_fro() {
     let dissipated = lost(last) - lost(begin);
     println!("loops {area} J, dissipated {dissipated} J, stored {stored} J");
     assert!((area - stored - dissipated).abs() < 1e-2 * dissipated); // theory/energies.md, eq. 18
-    // Nothing but friction at most μ N resists: 0.75 · 2.12 MPa on 420.5 × 49 mm, with what the bond adds at first.
+    // The only resistance is friction of at most μ N: 0.75 · 2.12 MPa on 420.5 × 49 mm, plus the bond at first.
     let friction = 1e-3 * 0.75 * 2.12 * 420.5 * 49.0;
     let tip = |way: f64| {
         let at = rows

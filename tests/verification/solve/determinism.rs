@@ -1,4 +1,4 @@
-//! The same numbers to the last bit on any number of threads.
+//! Results are bitwise equal on any number of threads.
 
 use crate::common::scene::{self, Recording};
 use wythe::model::Model;
@@ -9,12 +9,12 @@ fn on_threads(model: &Model, threads: usize) -> Recording {
         .build()
         .unwrap();
     let (recording, summary) = pool.install(|| scene::run(model));
-    // The pool was the one that was used.
+    // The run used the given thread pool.
     assert_eq!(summary.threads, threads);
     recording
 }
 
-/// Every number of a recording in digits that give back its bits.
+/// All numbers of a recording with enough digits to reproduce their bits.
 fn digits(recording: &Recording) -> String {
     format!(
         "{:?} {:?} {:?}",

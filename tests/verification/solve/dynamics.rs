@@ -1,4 +1,4 @@
-//! Blocks, columns and walls that move: gravity, ground and beams, their energies, and the deck's words.
+//! Moving blocks, columns and walls: gravity, ground and beams, their energies, and the deck keys.
 
 use crate::common::blocks;
 use crate::common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
@@ -11,9 +11,9 @@ use wythe::model::scene::{
 use wythe::solve::RunError;
 use wythe::state::HistoryRow;
 
-/// Of the mean nodal force: linear problems are solved to rounding by one iteration.
+/// Relative to the mean nodal force: one iteration solves linear problems up to rounding.
 const EXACT: f64 = 1e-8;
-/// The weight is 1e-6 of what the elements carry at a strain of 1: so much larger is rounding.
+/// The weight is 1e-6 of the element forces at a strain of 1, so that rounding is larger by this factor.
 const OF_WEIGHT: f64 = 1e-5;
 
 /// A block in the air.
@@ -39,7 +39,7 @@ fn a_block_falls_freely() {
     let dt = 0.1 / count as f64;
     for (n, state) in recording.states.iter().enumerate() {
         let t = (n + 1) as f64 * dt;
-        // The first increment, backward Euler's, falls half g Δt² too far; the rest is exact.
+        // The first increment, by backward Euler, falls half g Δt² too far; the rest is exact.
         let fall = 0.5 * G * (t * t + dt * dt);
         for s in 0..state.q.len() {
             let (u, v) = if s % 3 == 2 {
@@ -47,7 +47,7 @@ fn a_block_falls_freely() {
             } else {
                 (0.0, 0.0)
             };
-            // The residual, 1e-5 of the weight at a node and not of one sign.
+            // Tolerance: the residual, 1e-5 of the weight per node, with either sign.
             assert!(
                 (state.q[s] - u).abs() < 1e-5 * fall,
                 "{n} {s}: {}",
@@ -61,7 +61,7 @@ fn a_block_falls_freely() {
     let fall = 0.5 * G * (0.01 + dt * dt);
     assert!((last.external_work_J * 1e3 / (weight * fall) - 1.0).abs() < 1e-6);
     assert!(gap(last).abs() < 1e-6 * last.external_work_J);
-    // Constant acceleration is where an increment starts: rounding costs no more than a solve.
+    // An increment starts with constant acceleration, so that rounding costs no more than one solve.
     let solves: usize = recording.rows[1..].iter().map(|r| r.iterations).sum();
     assert!(solves <= count, "{solves}");
 }
@@ -69,7 +69,7 @@ fn a_block_falls_freely() {
 #[test]
 fn a_block_flies_on_without_forces_and_turns_without_damping() {
     let mut model = block_in_the_air();
-    // Thrown with a turn of 10 rad/s about y through its centre, a quarter of a turn in all.
+    // Thrown with a spin of 10 rad/s about y through its centre, a quarter of a turn in total.
     let spin = 10.0;
     let centre = [30.0, 20.0, 25.0];
     model.initial_velocity = model
@@ -84,7 +84,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
         alpha: -0.05,
         damping: Rayleigh {
             mass: 0.0,
-            // Critical for what vibrates at 20,000 rad/s, a tenth of an increment.
+            // Critical damping of vibrations at 20,000 rad/s, a tenth of an increment.
             stiffness: 1e-4,
         },
     };
@@ -94,18 +94,18 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
     let (first, last) = (&recording.rows[0], recording.rows.last().unwrap());
     let frame = recording.frames.last().unwrap();
     println!("{last:?}");
-    // x → z: the corner at the origin has gone to the place of a block turned by a quarter.
+    // x → z: the corner at the origin moves to its place in a block rotated by a quarter turn.
     let corner = frame.displacement[0];
     let [dx, dz] = [-centre[0], -centre[2]];
     let expected = [dz - dx, 300.0 * quarter, -dx - dz];
     for i in 0..3 {
-        // Phase error of a turn of (spin Δt)² a part, 1.5e-5 of 39 mm, and what it stretches.
+        // Tolerance: relative phase error (spin Δt)² of a turn, 1.5e-5 of 39 mm, and the elongation by the spin.
         assert!(
             (corner[i] - expected[i]).abs() < 0.05,
             "{corner:?} {expected:?}"
         );
     }
-    // Stresses of a turning block: ϱ(spin × 30 mm)² = 1e-4 MPa; what they store and damp is nothing.
+    // Stresses of a spinning block are ϱ(spin × 30 mm)² = 1e-4 MPa; their energy and damping are negligible.
     let energy = first.external_work_J;
     assert!(last.damping_dissipation_J < 1e-3 * energy, "{last:?}");
     assert!(
@@ -141,13 +141,13 @@ fn a_column_settles_under_its_weight_and_stays() {
             continue;
         }
         let u = frame.displacement[top][2];
-        // The rotated element strains by its stretch: linear to σ/E = 4e-6.
+        // The corotated element uses the engineering strain: linear up to σ/E = 4e-6.
         assert!((u / expected - 1.0).abs() < 1e-5, "{u} {expected}");
     }
     let settled = recording.rows.iter().rfind(|r| r.step == 0).unwrap();
     let last = recording.rows.last().unwrap();
     assert!((settled.external_work_J / settled.elastic_energy_J - 1.0).abs() < 1e-6);
-    // Nothing moves: the residual alone.
+    // No motion beyond the residual.
     assert!(last.kinetic_energy_J < 1e-9 * last.elastic_energy_J);
 }
 
@@ -230,7 +230,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
             .map(|r| gap(r).abs())
             .fold(0.0, f64::max);
         println!("{procedure:?}: {worst:e} of {last:?}");
-        // The residual.
+        // Tolerance: the residual.
         assert!(worst < 1e-5 * last.external_work_J);
         assert!(last.kinetic_energy_J > 0.0);
     }
@@ -247,7 +247,7 @@ fn inertia_without_mass_is_refused() {
     assert!(error.to_string().contains("density"), "{error}");
 }
 
-/// Divergence theorem over the faces, each the mean of both ways to cut it into triangles.
+/// Divergence theorem over the faces; each is the mean of both ways to divide it into triangles.
 fn volume_of(x: [[f64; 3]; 8]) -> f64 {
     use nalgebra::Vector3;
     let x = x.map(Vector3::from);
@@ -271,9 +271,9 @@ fn the_total_of_the_masses_is_the_mass_and_supports_do_not_move() {
         Mass::new(model, &bulk, &DofMap::new(model))
     };
     let even = mass(&model);
-    // Rounding of a few sums, here and below.
+    // Tolerance, here and below: rounding of a few sums.
     assert!((even.total() / (DENSITY * 60.0 * 40.0 * 50.0) - 1.0).abs() < 1e-13);
-    // A corner that is pulled out takes mass with it; Gauss points integrate the skewed volume exactly.
+    // A corner that is pulled out gains mass; Gauss points integrate the skewed volume exactly.
     let corner = model.mesh.nodes.len() - 1;
     model.mesh.nodes[corner] = [70.0, 44.0, 58.0];
     let uneven = mass(&model);
@@ -302,14 +302,14 @@ fn a_wall_moved_slowly_by_backward_euler_is_that_of_statics() {
     let peak = |r: &Recording| r.rows.iter().map(|r| r.force_kN).fold(0.0, f64::max);
     let last = moved.rows.last().unwrap();
     println!("{} {} {last:?}", peak(&still), peak(&moved));
-    // 0.3 mm in a second: the inertia is nothing, paths and increments differ within their tolerance.
+    // 0.3 mm in a second: inertia is negligible, and paths and increments differ within their tolerance.
     assert!((peak(&moved) / peak(&still) - 1.0).abs() < 5e-3);
     let inside = last.elastic_energy_J + last.interface_dissipation_J;
     assert!(last.kinetic_energy_J < 1e-3 * inside && last.kinetic_energy_J > 0.0);
     assert!(gap(last).abs() < 1e-2 * last.external_work_J, "{last:?}");
 }
 
-/// The example of the wall J7D with these keys said anew.
+/// The example of the wall J7D with these keys replaced.
 fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelError> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("examples/03_shear_wall_j7d.toml")).unwrap();
@@ -350,7 +350,7 @@ fn the_deck_says_what_inertia_does() {
     };
     assert_eq!(model.steps[1].procedure, expected);
     let [x, y, z] = model.steps[1].ground.at(0.05);
-    // One product and one interpolation.
+    // Tolerance: one product and one interpolation.
     assert!((x - 981.0).abs() < 1e-9 && y == 0.0 && z == 0.0);
     assert!(!wall_with(&[]).unwrap().steps[1].procedure.has_inertia());
 }
@@ -385,7 +385,7 @@ fn keys_of_inertia_are_checked() {
     }
 }
 
-/// HHT in increments that are long against the blow gave 2.4 times the energy back.
+/// HHT with increments that are long compared with the impact returned 2.4 times the energy.
 #[test]
 fn a_block_that_falls_on_a_floor_gains_no_energy() {
     let scene = r#"
@@ -416,7 +416,7 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
     "#;
     let model = blocks::model(scene, free);
     let rows = completed(&model).rows;
-    // m g h of 4 kg and 20 mm, and the little that the floor is pressed in.
+    // m g h of 4 kg and 20 mm, plus a little for the compression of the floor.
     let most = 4.0 * 9.81 * 0.02;
     let before = |r: &&HistoryRow| r.time < 0.0638;
     let fallen = rows.iter().rfind(before).unwrap();
@@ -424,11 +424,11 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
     for row in &rows {
         assert!(row.kinetic_energy_J < 1.01 * most, "{row:?}");
     }
-    // It comes to rest.
+    // The block comes to rest.
     assert!(rows.last().unwrap().kinetic_energy_J < 0.01 * most);
 }
 
-/// A deck of blocks beside a record of the ground.
+/// A block deck with a ground record.
 fn shaken(scene: &str, record: &str, step: &str) -> Model {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("record.csv"), record).unwrap();
@@ -438,7 +438,7 @@ fn shaken(scene: &str, record: &str, step: &str) -> Model {
     Model::from_deck(&deck).unwrap().0
 }
 
-/// Under gravity a block on a ground that accelerates by 1 g slides with (1 - μ) g against it; by 0.3 g it stays.
+/// Under gravity a block on a ground that accelerates by 1 g slides against it with (1 - μ) g; at 0.3 g it sticks.
 /// The record is in g, twice as strong and 0.1 s late.
 #[test]
 fn a_block_slides_on_a_shaken_ground() {
@@ -452,7 +452,7 @@ fn a_block_slides_on_a_shaken_ground() {
         let record = "t,a\n0,9\n0.1,0.5\n0.15,0.5\n0.2,0.5\n0.3,0.5\n";
         let scene = blocks::PAIR.replace("velocity = [\"1 m/s\", 0, 0]\n", "");
         let mut model = shaken(&scene, record, &step);
-        model.fidelity = Fidelity::Full; // its states are looked at
+        model.fidelity = Fidelity::Full; // the test reads its states
         assert_eq!(model.steps[1].ground.at(0.0)[0], 0.5 * factor * 9810.0);
         assert!(model.steps[1].increments.max <= 0.01);
         let recording = completed(&model);
@@ -466,7 +466,7 @@ fn a_block_slides_on_a_shaken_ground() {
             0.0
         };
         println!("{way} {exact}");
-        // Half an increment of the first one, in which friction is not yet there, and the sway of the block.
+        // Tolerance: half of the first increment, in which friction does not act yet, and the sway of the block.
         assert!((way - exact).abs() < 0.3, "{way} {exact}");
         let row = recording.rows.last().unwrap();
         let most = recording
@@ -478,7 +478,7 @@ fn a_block_slides_on_a_shaken_ground() {
     }
 }
 
-/// Slowly accelerated by 0.1 g along x and weighed by gravity, a wall asks of its supports its mass times both.
+/// A wall that is slowly accelerated by 0.1 g along x under gravity exerts its mass times both on its supports.
 #[test]
 fn a_wall_on_an_accelerating_ground_asks_for_its_mass_times_that() {
     let folder = tempfile::tempdir().unwrap();
@@ -505,7 +505,7 @@ fn a_wall_on_an_accelerating_ground_asks_for_its_mass_times_that() {
     let mass: f64 = (0..model.mesh.elements.len())
         .map(|e| 1.9e-9 * model.mesh.volume(e))
         .sum();
-    // The beam is fixed along x, free along z: its weight is that of the wall. Slow: a thousandth of sway.
+    // The beam is fixed along x and free along z: its weight is part of the wall's. Slow: a thousandth of sway.
     for (i, exact) in [(0, 0.1 * 9810.0 * mass), (2, 9810.0 * mass)] {
         assert!(
             (sum(i) / exact - 1.0).abs() < 5e-3,

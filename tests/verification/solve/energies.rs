@@ -1,4 +1,4 @@
-//! The energies of a run balance, and one whose energies do not says so and where.
+//! The energies of a run balance, and a run with an imbalance reports its size and place.
 
 use wythe::deck::Deck;
 use wythe::model::Model;
@@ -12,7 +12,7 @@ use wythe::state::{EnergyBalance, Frame, HistoryRow, Summary};
 struct Energies {
     balance: EnergyBalance,
     last: HistoryRow,
-    /// Largest force of all [kN].
+    /// Largest force of the run [kN].
     most: f64,
     curve: Curve,
 }
@@ -53,23 +53,25 @@ fn warns(summary: &Summary) -> bool {
     summary.warnings.iter().any(balance)
 }
 
-/// A bond that is weak and long in tension still carries shear where it gapes by millimetres: the joint turns about its edge,
-/// and the work of its shear tractions on the turning was not counted, 16 % of all at every size of the increments.
+/// A bond that is weak and long in tension still carries shear where it is open by millimetres. The joint rotates
+/// about its edge. The work of its shear tractions on this rotation was missing once, 16 % of the total for any
+/// increments.
 #[test]
 fn shear_in_a_joint_that_gapes_and_turns_is_counted() {
     let path = format!("{}/examples/40_airbag.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     let (energies, summary) = run(&text, &[("interfaces.joint.f_t", "0.001 MPa")]);
     let error = energies.balance.error();
-    // What the tolerance of forces and the size of the increments leave.
+    // Tolerance: equilibrium and the size of the increments.
     assert!(error < 0.01, "{error}");
-    // The term is there at all: without it the balance would be out by this much.
+    // The term matters: without it the balance would have this error.
     let numerical = energies.last.numerical_dissipation_J / energies.balance.work();
     assert!(numerical.abs() > 0.05, "{numerical}");
     assert!(!warns(&summary));
 }
 
-/// A block of 50 km that stands on a joint: its stiffness drowns the forces in rounding. It is refused by its material.
+/// A block of 50 km on a joint: its stiffness makes the forces smaller than rounding. It is rejected for its
+/// material.
 #[test]
 fn a_block_whose_forces_drown_in_rounding_is_refused() {
     let deck = Deck::from_str(
@@ -81,8 +83,8 @@ fn a_block_whose_forces_drown_in_rounding_is_refused() {
     assert!(told.contains("stone is too stiff for step 0"), "{told}");
 }
 
-/// Blocks that part and slide all over in one increment. The friction of this increment was 29 % more than the work done; with
-/// rigid units 5 %.
+/// Blocks that separate and slide everywhere in one increment. The friction in this increment was once 29 % more than
+/// the work done; with rigid units 5 %.
 #[test]
 fn a_dry_wall_that_begins_to_move_closes_its_energies() {
     let text = include_str!("../../data/scenes/dry_wall_window.toml");
@@ -90,22 +92,23 @@ fn a_dry_wall_that_begins_to_move_closes_its_energies() {
     for set in [&[][..], &rigid[..]] {
         let (energies, summary) = run(text, set);
         let error = energies.balance.error();
-        assert!(error < 0.01, "{set:?}: {error}"); // a larger one is warned of
-        // It moves at the load factor of limit analysis without dilatancy; it moved by 0.1 mm when the step ended.
+        assert!(error < 0.01, "{set:?}: {error}"); // a larger error gives a warning
+        // It moves at the load factor of limit analysis without dilatancy, and has moved by 0.1 mm when the step
+        // ends.
         let factor = energies.last.load_factor;
         assert!((factor / 0.356 - 1.0).abs() < 0.01, "{set:?}: {factor}");
         assert!(!warns(&summary));
     }
 }
 
-/// An infill whose strut snaps: half of the energy that the frame stores is set free. A jump to the next equilibrium lost
-/// 16.8 J of 76 without a warning. Inertia follows the snap, and its forces, which overshoot, are no peak.
+/// An infill whose strut snaps: half of the energy stored in the frame is released. A jump to the next equilibrium
+/// lost 16.8 of 76 J without a warning. Inertia follows the snap; its forces overshoot but are not a peak.
 #[test]
 fn a_snap_is_followed_by_inertia_and_has_no_peak_of_its_own() {
     let text = include_str!("../../data/scenes/infill_gap.toml");
     let (energies, _) = run(text, &[("steps.1.stop", "{ displacement = 4.5 }")]);
     let error = energies.balance.error();
-    assert!(error < 0.01, "{error}"); // a larger one is warned of
+    assert!(error < 0.01, "{error}"); // a larger error gives a warning
     // The snap lies within the run.
     assert!(
         energies.last.external_work_J > 70.0,

@@ -1,4 +1,4 @@
-//! No more than the scene needs: what is left out of a scene changes nothing of its results beyond the tolerance.
+//! Automatic simplifications do not change the results of a scene beyond the tolerance.
 
 use crate::common::blocks::{deck, deck_and_model};
 use crate::common::halves::{WALL, apart, both, quantities};
@@ -10,16 +10,16 @@ use wythe::model::scene::{Fidelity, Procedure};
 use wythe::model::sizes::Sizes;
 use wythe::state::{Frame, HistoryRow, Status};
 
-/// Facets are not cut into parts.
+/// Facets are not divided into parts.
 const WHOLE: &str = "[1, 1, 1]";
 
-/// One unit a course: head joints rest on nothing, and their points would open and close at no load.
+/// One unit per course: head joints carry nothing, and their points would open and close under zero load.
 fn stack() -> String {
     WALL.replace("length = 300", "length = 200\nbond = \"stack\"")
         .replace("near = [300", "near = [200")
 }
 
-/// Weight and a wind on one end, then pressed and pushed.
+/// Weight and wind on one end, then compression and push.
 const STEPS: &str = r#"
 [[steps]]
 kind = "gravity"
@@ -32,7 +32,7 @@ tangent = "direct"
 tolerance = { residual = 1e-8 }
 "#;
 
-/// Every field of two frames, each over its largest value.
+/// Relative difference of every field of two frames, divided by its largest value.
 fn frames_apart(a: &Frame, b: &Frame) -> Vec<(&'static str, f64)> {
     let v = |of: &[[f64; 3]]| of.as_flattened().to_vec();
     let t = |of: &[[f64; 6]]| of.as_flattened().to_vec();
@@ -65,22 +65,22 @@ fn frames_apart(a: &Frame, b: &Frame) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// The half is solved with the same elements and points, so that what is left between both is what the tolerance of
-/// 1e-8 of a mean nodal force leaves of fields, which a condition of some hundreds makes 1e-6 of.
+/// The half has the same elements and points. The difference is the effect of the tolerance of 1e-8 of a mean nodal
+/// force on the fields, which a condition number of some hundreds makes 1e-6.
 #[test]
 fn a_half_shows_every_field_of_the_whole() {
     every_field_is_that_of_the_whole("mesh = [4, 2, 2]", WHOLE, 0.6);
 }
 
-/// The same where elements and facets lie across the plane, with nodes before it and their images beyond it; of three
-/// layers two of four nodes are left.
+/// The same with elements and facets across the plane, with nodes on one side and their images on the other; of three
+/// layers two of four nodes remain.
 #[test]
 fn a_half_of_elements_shows_every_field_of_the_whole() {
     every_field_is_that_of_the_whole("mesh = [4, 2, 1]", WHOLE, 0.51);
     every_field_is_that_of_the_whole("mesh = [4, 2, 3]", WHOLE, 0.51);
 }
 
-/// And where facets across the plane are in parts, some across it themselves, some beyond it, or others cut along it.
+/// And with facets across the plane in parts, some across it themselves, some beyond it, others cut along it.
 #[test]
 fn a_half_of_facets_in_parts_shows_every_field_of_the_whole() {
     for parts in ["[1, 2, 1]", "[2, 3, 1]"] {
@@ -89,7 +89,7 @@ fn a_half_of_facets_in_parts_shows_every_field_of_the_whole() {
     a_quarter_shows_the_whole("mesh = [3, 2, 1]", "[2, 3, 2]");
 }
 
-/// `unknowns`: at most this part of those of the whole.
+/// `unknowns`: largest ratio of the unknowns to those of the whole.
 fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
     let stack = format!("{}{STEPS}", stack()).replace("mesh = [4, 2, 2]", mesh);
     let stack = stack.replace("parts = [1, 1, 1]", &format!("parts = {parts}"));
@@ -97,7 +97,7 @@ fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
     assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 30.0 }]);
     assert_eq!(full.rows.len(), auto.rows.len());
     assert_eq!(full.frames.len(), auto.frames.len());
-    // Of the weight alone, rounding of places is a part of 1e-5.
+    // Under the weight alone, rounding of positions is 1e-5 of the fields.
     let loaded = full.rows.iter().position(|row| row.step == 1).unwrap();
     for (a, b) in full.rows.iter().zip(&auto.rows).skip(loaded) {
         assert!(apart(quantities(a), quantities(b)) < 1e-5, "{a:?} {b:?}");
@@ -111,7 +111,7 @@ fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
             assert!(apart < 1e-5, "{field}: {apart:e}");
         }
     }
-    // Something happens: joints slide, and both sides swell the other way.
+    // Nonlinear effects occur: joints slide, and the two sides expand in opposite directions.
     let last = &full.frames[full.frames.len() - 1];
     assert!(
         last.interfaces
@@ -125,8 +125,8 @@ fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
     assert!((own as f64) < unknowns * all as f64, "{own} of {all}");
 }
 
-/// Facets that lie across the plane meet facets that end in it: only the points before it are asked what they face, and
-/// those beyond are shown as they are seen.
+/// Facets across the plane meet facets that end in it. Only the points on the modelled side are paired, and those
+/// beyond are shown as their mirror images.
 #[test]
 fn facets_across_the_plane_face_what_ends_in_it() {
     let text = r#"format = 1
@@ -180,13 +180,14 @@ tolerance = { residual = 1e-8 }
                 assert!(apart < 1e-5, "{field}: {apart:e}");
             }
         }
-        // Nothing is lost.
+        // No point is lost.
         let last = auto.frames.last().unwrap();
         assert!(last.interfaces.damage.iter().all(|d| *d < 1.0));
     }
 }
 
-/// What steers a load may be the mean of a body that the plane cuts: nodes in it count once, those beside it twice.
+/// A load may be controlled by the mean of a body that the plane cuts: nodes in the plane count once, those beside it
+/// twice.
 #[test]
 fn a_mean_over_the_plane_steers_the_half() {
     let steered = r#"
@@ -213,7 +214,7 @@ increments = { initial = 0.5, max = 0.5 }
     }
 }
 
-/// A quarter is a half of a half, and of elements that lie across both planes a quarter counts.
+/// A quarter is a half of a half, and elements across both planes count by a quarter.
 #[test]
 fn two_planes_leave_a_quarter() {
     for mesh in [
@@ -249,7 +250,8 @@ tolerance = { residual = 1e-8 }
     assert!(auto.states[0].q.len() < 4 * full.states[0].q.len() / 10);
 }
 
-/// The summary says what was solved, sizes are those of the whole, and a node that is told of has its number there.
+/// The summary describes the solved part, sizes are those of the whole, and reported nodes have their numbers in the
+/// whole.
 #[test]
 fn the_summary_tells_of_the_half_and_numbers_are_those_of_the_whole() {
     let pressed = "[[steps]]\nkind = \"load\"\nloads = [{ name = \"weight\", on = \"wall.top\", pressure = 1.0 }]\n";
@@ -262,7 +264,7 @@ fn the_summary_tells_of_the_half_and_numbers_are_those_of_the_whole() {
     assert_eq!(summary.sizes, Sizes { dofs, ..whole });
     assert!(dofs < 4 * whole.dofs / 10);
 
-    // No rounding allows this.
+    // Rounding makes this tolerance unreachable.
     let step = &mut model.steps[0];
     step.procedure = Procedure::Static;
     step.tolerance.residual = 1e-30;
@@ -279,8 +281,8 @@ fn the_summary_tells_of_the_half_and_numbers_are_those_of_the_whole() {
     assert_eq!(scene::run(&model).1.mirror_planes, []);
 }
 
-/// A pressure all around has its area for a force, and in the plane that of the whole: the ridge of a roof is pressed
-/// down. Its facets lie across the other plane, where half of each is pressed.
+/// A pressure on all sides gives a force of its area, and in the plane that of the whole: the ridge of a roof is
+/// pressed down. Its facets lie across the other plane, and half of each is loaded.
 #[test]
 fn a_pressure_all_around_is_that_of_the_whole() {
     let text = r#"format = 1
@@ -319,12 +321,12 @@ loads = [{ name = "water", pressure = 2, on = ["house.left", "house.right", "hou
     }
 }
 
-/// What is not mirrored is solved whole, to the last bit.
+/// An asymmetric model is solved as a whole, with bitwise equal results.
 #[test]
 fn what_is_no_mirror_image_is_solved_whole() {
     let whole = format!("{WALL}{STEPS}");
     let odd = [
-        // It is pulled to one side.
+        // The wall is pulled to one side.
         whole.replace(
             "traction = [0.02, 0, -0.4]",
             "traction = [0.02, 0.01, -0.4]",
@@ -333,13 +335,13 @@ fn what_is_no_mirror_image_is_solved_whole() {
             "kind = \"gravity\"",
             "kind = \"gravity\"\nangle = \"10 deg\"\naxis = \"x\"",
         ),
-        // One side is held or pressed.
+        // One side is fixed or loaded.
         whole.replace(
             "[[supports]]",
             "[[supports]]\non = \"wall.front\"\nfixed = [\"y\"]\n[[supports]]",
         ),
         whole.replace("on = \"wall.left\"", "on = \"wall.front\""),
-        // The bond of each unit is its own; and so is that of each half of a unit.
+        // The bond of each unit varies, and so does that of each half of a unit.
         whole.replace("[contact]", "scatter = { cv = 0.2, seed = 7 }\n[contact]"),
     ];
     for (i, text) in odd.iter().enumerate() {
@@ -349,7 +351,7 @@ fn what_is_no_mirror_image_is_solved_whole() {
         };
         let (mut model, _) = Model::from_deck(&deck).unwrap_or_else(|e| panic!("{i}: {e}"));
         if text.contains("scatter") {
-            // Units lie across the plane, so that both halves have one bond.
+            // Units lie across the plane, so that both halves have the same bond.
             assert_eq!(mirror_planes(&model).len(), 1);
             let last = model.contact.slave_law.len() - 1;
             model.contact.slave_law[last] = u16::from(model.contact.slave_law[last] == 0);
@@ -358,7 +360,7 @@ fn what_is_no_mirror_image_is_solved_whole() {
     }
 }
 
-/// The checker tells of the plane, whether it is used or not.
+/// The checker reports the plane, whether it is used or not.
 #[test]
 fn the_checker_offers_the_half() {
     let told = |text: &str| {
@@ -384,7 +386,7 @@ fn the_checker_offers_the_half() {
     );
 }
 
-/// Elastic solids: what they leave out is told.
+/// The error of elastic solids is reported.
 #[test]
 fn elastic_solids_tell_how_far_they_went() {
     let pressed = |pressure: f64| {
@@ -428,11 +430,11 @@ fn elastic_solids_tell_how_far_they_went() {
         .unwrap()
         .parse()
         .unwrap();
-    // 20 MPa on solids that yield at 11: 1.8, and more where the foot is held.
+    // 20 MPa on solids that yield at 11: a ratio of 1.8, and more at the fixed foot.
     assert!((1.7..4.0).contains(&times), "{told}");
 }
 
-/// The key is written back, and errors name what it may be.
+/// The key is written back, and errors list the possible values.
 #[test]
 fn the_key_is_read_and_written() {
     let text =

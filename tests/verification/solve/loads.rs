@@ -1,4 +1,4 @@
-//! Loads with a name: nodal forces, tangents, beams under large rotation, energies, history.
+//! Named loads: nodal forces, tangents, beams under large rotation, energies, history.
 
 use crate::common::Random;
 use crate::common::scene::{self, Recording, completed};
@@ -14,7 +14,7 @@ fn model(text: &str) -> Model {
     model
 }
 
-/// A block of 2 × 3 × 2 elements, held at its left face, under a pressure on these faces.
+/// A block of 2 × 3 × 2 elements, fixed at its left face, with a pressure on these faces.
 fn cube(on: &str, rotate: &str) -> String {
     format!(
         "format = 1\n[materials.stone]\nE = 1000\nnu = 0.2\n\
@@ -28,7 +28,7 @@ fn cube(on: &str, rotate: &str) -> String {
 const ALL: &str =
     "[\"cube.left\", \"cube.right\", \"cube.front\", \"cube.back\", \"cube.top\", \"cube.bottom\"]";
 
-/// Forces of the only load at nodes `x`, of this value.
+/// Forces of the only load, with the given value, for nodes at `x`.
 fn forces(system: &System, value: f64, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut force = vec![[0.0; 3]; x.len()];
     system.outside.add(0, [value, 0.0, 0.0], x, &mut force);
@@ -57,12 +57,12 @@ fn a_pressure_all_around_a_body_has_no_resultant_however_it_is_deformed() {
         *x += 2.0 * random.signed();
     }
     let [force, moment] = sums(&x, &forces(&system, 3.0, &x));
-    // Sums of some thousand N and N mm: rounding.
+    // Tolerance: rounding of sums of some thousand N and N mm.
     assert!(force.iter().all(|f| f.abs() < 1e-10), "{force:?}");
     assert!(moment.iter().all(|m| m.abs() < 1e-8), "{moment:?}");
 }
 
-/// p A n of a flat face, where it lies and turned by 40° about y as a whole.
+/// p A n of a flat face, at its original place and rotated by 40° about y as a whole.
 #[test]
 fn a_pressure_on_a_flat_face_pushes_against_its_normal() {
     let (p, area) = (2.0, 600.0);
@@ -82,8 +82,7 @@ fn a_pressure_on_a_flat_face_pushes_against_its_normal() {
     }
 }
 
-/// Where nothing has moved a pressure that follows and one that does not are the same, and a traction
-/// against the normal.
+/// In the undeformed state follower pressure, dead pressure and a traction against the normal are equal.
 #[test]
 fn a_dead_pressure_is_that_of_the_faces_at_rest() {
     let follower = cube("\"cube.top\"", "");
@@ -111,7 +110,7 @@ fn a_dead_pressure_is_that_of_the_faces_at_rest() {
     }
 }
 
-/// The stiffness in the cells is minus the derivative of the forces, symmetric of a closed surface.
+/// The assembled stiffness is minus the derivative of the forces, and is symmetric for a closed surface.
 #[test]
 fn the_stiffness_of_a_follower_pressure_is_that_of_central_differences() {
     const H: f64 = 1e-3;
@@ -161,8 +160,8 @@ fn the_stiffness_of_a_follower_pressure_is_that_of_central_differences() {
             moved[j] = q[j] - H;
             let below = at(&moved, &system);
             for i in 0..n {
-                // Quadratic in each coordinate: exact but for rounding of forces of 500 N, over H; and of
-                // stiffnesses of 1e5 N/mm that are taken off each other.
+                // The forces are quadratic in each coordinate: exact up to rounding of forces of 500 N over H, and of
+                // stiffnesses of 1e5 N/mm that are subtracted.
                 let slope = -(above[i] - below[i]) / (2.0 * H);
                 let added = exact[j][i] - without[j][i];
                 assert!((added - slope).abs() < 1e-9, "{i} {j}: {added} {slope}");
@@ -174,7 +173,7 @@ fn the_stiffness_of_a_follower_pressure_is_that_of_central_differences() {
     }
 }
 
-/// A strip of 400 × 10 × 4 mm held at x = 0, loaded in 20 increments.
+/// A strip of 400 × 10 × 4 mm fixed at x = 0, loaded in 20 increments.
 fn strip(procedure: &str, loads: &str) -> Model {
     model(&format!(
         "format = 1\n[materials.steel]\nE = 2000\nnu = 0\ndensity = 1e-9\n\
@@ -188,14 +187,14 @@ fn strip(procedure: &str, loads: &str) -> Model {
 
 const SMALL: &str = "increments = { initial = 0.05, max = 0.05 }\ntolerance = { residual = 1e-6 }";
 
-/// Where the tip of the strip comes to: [outwards, up] [mm].
+/// Final position of the strip's tip: [outwards, up] [mm].
 fn tip(recording: &Recording) -> [f64; 2] {
     let last = recording.rows.last().unwrap();
     [last.probes[1], last.probes[0]]
 }
 
-/// An elastica of length L and bending stiffness B under q N/mm normal to it where it lies. From the tip
-/// inwards with the tip's own axes: θ' = −M/B, M' = −t × P, P' = q n. Returns [outwards, up] of the tip.
+/// An elastica of length L and bending stiffness B under q N/mm normal to its deformed axis. From the tip inwards,
+/// with the axes of the tip: θ' = −M/B, M' = −t × P, P' = q n. Returns [outwards, up] of the tip.
 fn elastica(length: f64, bending: f64, q: f64) -> [f64; 2] {
     // [x, y, θ, M, Px, Py]
     let rate = |y: [f64; 6]| {
@@ -223,12 +222,12 @@ fn elastica(length: f64, bending: f64, q: f64) -> [f64; 2] {
         y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
     }
     let (sin, cos) = y[2].sin_cos();
-    // From the root to the tip, in the root's axes: outwards is −t, up is n.
+    // From the root to the tip in the axes of the root: outwards is −t, up is n.
     let (dx, dy) = (-y[0], -y[1]);
     [-(cos * dx + sin * dy) - length, -sin * dx + cos * dy]
 }
 
-/// The same with the load kept upright: the angle of the tip is found so that the root is level.
+/// The same under a load of constant direction: the angle of the tip is found so that the root is level.
 fn elastica_dead(length: f64, bending: f64, q: f64) -> [f64; 2] {
     let shoot = |angle: f64| {
         // θ'' B = q s cos θ from the tip (s = 0, θ = −angle, θ' = 0) to the root.
@@ -262,11 +261,11 @@ fn elastica_dead(length: f64, bending: f64, q: f64) -> [f64; 2] {
         }
     }
     let y = shoot(low);
-    // s runs inwards: x falls along it.
+    // s runs inwards: x decreases along it.
     [y[0] - length, -y[1]]
 }
 
-/// q L³/B = 6: the tip turns by 56° where the pressure follows, less where it stays upright.
+/// q L³/B = 6: the tip rotates by 56° under follower pressure, less under dead pressure.
 #[test]
 fn a_strip_under_pressure_bends_as_the_elastica() {
     let bending = 2000.0 * 10.0 * 64.0 / 12.0;
@@ -277,7 +276,7 @@ fn a_strip_under_pressure_bends_as_the_elastica() {
         elastica_dead(400.0, bending, q),
     );
     assert!(follower[1] > 1.05 * dead[1], "{follower:?} {dead:?}");
-    // What keeps its direction acts half above and half below the axis, or its arm would grow by the turn.
+    // A dead load acts half above and half below the axis; otherwise its lever arm would increase with the rotation.
     let half = 0.5 * pressure;
     let traction = format!("on = [\"strip.bottom\", \"strip.top\"]\ntraction = [0, 0, {half}]");
     let bag = format!("on = \"strip.bottom\"\npressure = {pressure}");
@@ -288,7 +287,7 @@ fn a_strip_under_pressure_bends_as_the_elastica() {
             let recording = completed(&strip(&rules, &loads));
             let found = tip(&recording);
             println!("{follows} {tangent}: {found:?} exact {exact:?}");
-            // Elements of 5 mm, and the pressure on the face below the axis: 0.5 % of each.
+            // Elements of 5 mm, and the pressure on the face below the axis: 0.5 % each.
             for i in 0..2 {
                 assert!(
                     (found[i] / exact[i] - 1.0).abs() < 5e-3,
@@ -300,7 +299,7 @@ fn a_strip_under_pressure_bends_as_the_elastica() {
                 scene::gap(last).abs() < 1e-3 * last.external_work_J,
                 "{last:?}"
             );
-            // Displacement and force of the load make its work.
+            // Displacement and force of the load give its work.
             let mut work = 0.0;
             let mut before = [0.0; 2];
             for row in &recording.rows {
@@ -329,7 +328,7 @@ fn forces_at_points_and_along_lines_bend_a_strip_as_a_beam() {
         let loads = format!("[[steps.loads]]\nname = \"pull\"\n{load}\n");
         let recording = completed(&strip(SMALL, &loads));
         let last = recording.rows.last().unwrap();
-        // Shear and the elements: a thousandth.
+        // Tolerance: shear and discretisation, a thousandth.
         assert!(
             (last.probes[0] / exact - 1.0).abs() < 2e-3,
             "{load}: {last:?}"
@@ -337,18 +336,18 @@ fn forces_at_points_and_along_lines_bend_a_strip_as_a_beam() {
         // The column of the force is the last.
         let force = last.probes.last().unwrap();
         assert!((force / 1e-5 - 1.0).abs() < 1e-12, "{load}: {force}");
-        // What the support feels is the load, the other way.
+        // The reaction of the support is opposite to the load.
         let support = last.reactions[0];
         assert!((support[2] + 1e-2).abs() < 1e-5, "{load}: {support:?}");
     }
-    // A point: the nearest node.
+    // A point load acts on the nearest node.
     let loads =
         "[[steps.loads]]\nname = \"pull\"\nnear = [399, 0.1, 0]\nforce = [0, 0, \"10 mN\"]\n";
     let last = completed(&strip(SMALL, loads)).rows.last().unwrap().clone();
     assert!((last.probes[0] / exact - 1.0).abs() < 2e-3, "{last:?}");
 }
 
-/// A load stays in later steps, changes by its name, and is taken away by 0.
+/// A load remains in later steps, changes if its name is repeated, and is removed by 0.
 #[test]
 fn a_load_stays_until_its_name_is_said_anew() {
     let loads = "[[steps.loads]]\nname = \"a\"\non = \"strip.right\"\nforce = [0, 0, 0.01]\n\
@@ -370,12 +369,12 @@ fn a_load_stays_until_its_name_is_said_anew() {
             "{row:?}"
         );
     }
-    // Free of `a`, the strip is level again: 0.02 N sideways leave nothing of it but the tolerance.
+    // Without `a` the strip is level again: 0.02 N sideways leave only the tolerance.
     let up = last_of(2).probes[0];
     assert!(up.abs() < 1e-3 * last_of(1).probes[0], "{up}");
 }
 
-/// A pressure steered by the tip's displacement, and by time where inertia acts, ends at the same place.
+/// A pressure that is controlled by the tip's displacement, or by time with inertia, ends at the same place.
 #[test]
 fn an_airbag_is_steered_by_a_displacement_or_by_inertia() {
     let loads = |p: f64| {
@@ -388,20 +387,20 @@ fn an_airbag_is_steered_by_a_displacement_or_by_inertia() {
     assert!((last.probes[0] - 100.0).abs() < 1e-9, "{last:?}"); // the constraint is exact
     let pressure = last.probes[2];
     assert!((pressure / (last.load_factor * 1e-3) - 1.0).abs() < 1e-12);
-    // The history tells of it: probe and force.
+    // The history has columns for probe and force.
     assert_eq!(last.displacement_mm, last.probes[0]);
     for procedure in ["static", "implex", "quasi_static", "dynamic"] {
         let rules = format!("{SMALL}\nprocedure = \"{procedure}\"\nduration = 200");
         let text = loads(pressure);
         let found = completed(&strip(&rules, &text)).rows.last().unwrap().probes[0];
         println!("{procedure}: {found}");
-        // Slow enough that inertia is a thousandth; the rest is the tolerance.
+        // Slow enough for inertia of a thousandth; the rest is the tolerance.
         assert!((found / 100.0 - 1.0).abs() < 2e-3, "{procedure}: {found}");
     }
 }
 
-/// The example: past its peak secant and consistent tangents go the same way, and end where the rocking
-/// strip is in balance.
+/// The example: beyond the peak secant and consistent tangents follow the same path and end where the rocking strip
+/// is in equilibrium.
 #[test]
 fn a_strip_under_an_airbag_goes_past_its_peak() {
     let mut curves = Vec::new();
@@ -435,8 +434,8 @@ fn a_strip_under_an_airbag_goes_past_its_peak() {
     let peak = |curve: &[[f64; 2]]| curve.iter().map(|p| p[1]).fold(0.0, f64::max);
     let [secant, consistent] = [peak(&curves[0]), peak(&curves[1])];
     println!("peaks {secant} {consistent} MPa");
-    // 4/3 (f_t + N/A) (t/H)² = 6.25 kPa opens the joint; its softening doubles that. Two ways of settling the same
-    // equations at a tolerance of 5e-2 and 5e-3 of a nodal force.
+    // 4/3 (f_t + N/A) (t/H)² = 6.25 kPa opens the joint; its softening doubles that. Both tangents solve the same
+    // equations with tolerances of 5e-2 and 5e-3 of a nodal force.
     assert!(secant > 6.25e-3 && (secant / consistent - 1.0).abs() < 1e-2);
     for curve in &curves {
         let [u, p] = *curve.last().unwrap();
@@ -449,7 +448,7 @@ fn a_strip_under_an_airbag_goes_past_its_peak() {
     }
 }
 
-/// A point load on a wall, on a node that nothing drives, and on its beam.
+/// A point load on a wall, at a node without prescribed displacement, and on its beam.
 #[test]
 fn a_wall_takes_point_and_line_loads() {
     let steps = "[[steps]]\nkind = \"preload\"\ntop_pressure = 0.5\n\

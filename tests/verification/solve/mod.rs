@@ -1,4 +1,4 @@
-//! Tests of the room `solve`.
+//! Tests of the module `solve`.
 
 mod amplitudes;
 mod determinism;

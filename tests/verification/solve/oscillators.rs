@@ -4,18 +4,18 @@ use crate::common::scene::{self, DENSITY, Face, Recording, completed, gap};
 use wythe::model::Model;
 use wythe::model::scene::{Gravity, Procedure, Rayleigh, Spring, Step, Tangent};
 
-/// Of the mean nodal force: linear problems are solved to rounding by one iteration. Where an oscillator
-/// passes zero a hundredth of its largest force remains, and rounding is 1e-11 of it.
+/// Relative to the mean nodal force: one iteration solves linear problems up to rounding. When an oscillator passes
+/// zero the scale is a hundredth of its largest force, and rounding is 1e-11 of it.
 const EXACT: f64 = 1e-8;
 
-/// One element held but for its top, which moves axially: k = EA/L, m = ϱAL/2.
+/// One element, fixed except for its top, which moves axially: k = EA/L, m = ϱAL/2.
 struct Oscillator {
     model: Model,
     /// √(k/m) [1/s].
     omega: f64,
 }
 
-/// Velocity at the start [mm/s].
+/// Initial velocity [mm/s].
 const V0: f64 = 100.0;
 
 fn oscillator() -> Oscillator {
@@ -39,7 +39,7 @@ fn oscillator() -> Oscillator {
 }
 
 impl Oscillator {
-    /// `periods` periods in increments of 1/`per_period`; (u, v) at each.
+    /// `periods` periods in increments of 1/`per_period`; (u, v) after each increment.
     fn swing(
         &mut self,
         procedure: Procedure,
@@ -64,7 +64,7 @@ impl Oscillator {
     }
 }
 
-/// The same oscillator as one equation of unit mass: HHT-α after one increment of backward Euler.
+/// The same oscillator as a scalar equation with unit mass: HHT-α after one increment of backward Euler.
 fn scalar(alpha: f64, damping: Rayleigh, omega: f64, dt: f64, count: usize) -> Vec<[f64; 2]> {
     let (k, c) = (
         omega * omega,
@@ -110,7 +110,7 @@ fn an_oscillator_follows_the_scheme_with_and_without_damping() {
             let (recording, path, dt) = oscillator.swing(procedure, 2, 40);
             let expected = scalar(alpha, damping, omega, dt, path.len());
             for ([u, v], [u_expected, v_expected]) in path.iter().zip(&expected) {
-                // The residual, 1e-8 of the forces, over 80 increments, in units of the swing.
+                // Tolerance: the residual, 1e-8 of the forces, over 80 increments, relative to the amplitude.
                 assert!(
                     (u - u_expected).abs() < 1e-6 * V0 / omega,
                     "{u} {u_expected}"
@@ -119,7 +119,7 @@ fn an_oscillator_follows_the_scheme_with_and_without_damping() {
             }
             let first = recording.rows[0].external_work_J;
             for row in &recording.rows {
-                // The residual again.
+                // Tolerance: the residual.
                 assert!(gap(row).abs() < 1e-7 * first, "{row:?}");
             }
             let last = recording.rows.last().unwrap();
@@ -138,13 +138,13 @@ fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
         damping: Rayleigh::default(),
     };
     let (recording, path, dt) = oscillator.swing(procedure, 5, 20);
-    // From the first increment on: ω̄ Δt = 2 atan(ω Δt/2) (Hughes 2000, §9.1.2).
+    // From the first increment on ω̄ Δt = 2 atan(ω Δt/2) (Hughes 2000, §9.1.2).
     let turn = 2.0 * (0.5 * omega * dt).atan();
     let [u, v] = path[0];
     let (swing, phase) = (u.hypot(v / omega), (omega * u).atan2(v));
     for (n, [u, _]) in path.iter().enumerate() {
         let expected = swing * (n as f64 * turn + phase).sin();
-        // As above.
+        // Tolerance as above.
         assert!((u - expected).abs() < 1e-6 * swing, "{n}: {u} {expected}");
     }
     let numerical: Vec<f64> = recording
@@ -153,7 +153,7 @@ fn the_trapezoidal_rule_keeps_the_energy_and_has_its_known_period() {
         .map(|r| r.numerical_dissipation_J)
         .collect();
     let first = recording.rows[0].external_work_J;
-    // Backward Euler takes 1 − 1/(1 + ω²Δt²) of the energy, the trapezoidal rule nothing.
+    // Backward Euler dissipates 1 − 1/(1 + ω²Δt²) of the energy, the trapezoidal rule nothing.
     let euler = 1.0 - 1.0 / (1.0 + (omega * dt) * (omega * dt));
     for taken in &numerical {
         assert!((taken / first - euler).abs() < 1e-7, "{taken}, {euler}");
@@ -170,7 +170,7 @@ fn backward_euler_takes_its_known_part_of_the_energy() {
     for [u, v] in path {
         energy /= factor;
         let found = omega * omega * u * u + v * v;
-        // The residual, as above.
+        // Tolerance: the residual, as above.
         assert!((found / energy - 1.0).abs() < 1e-6, "{found} {energy}");
     }
     let last = recording.rows.last().unwrap();
@@ -192,7 +192,7 @@ fn damping_has_the_period_and_the_decrement_of_the_textbook() {
         },
     };
     let (_, path, dt) = oscillator.swing(procedure, 4, 200);
-    // Upward passages through zero, linear between increments: times and the velocities there.
+    // Upward zero crossings by linear interpolation between increments: times and velocities.
     let passages: Vec<[f64; 2]> = path
         .windows(2)
         .enumerate()
@@ -207,13 +207,13 @@ fn damping_has_the_period_and_the_decrement_of_the_textbook() {
     for pair in passages.windows(2) {
         let period = pair[1][0] - pair[0][0];
         let decrement = (pair[0][1] / pair[1][1]).ln();
-        // The rule lengthens periods by (ωΔt)²/12 = 8e-5.
+        // The rule lengthens the periods by (ωΔt)²/12 = 8e-5.
         let expected = std::f64::consts::TAU / (omega * root);
         assert!(
             (period / expected - 1.0).abs() < 2e-4,
             "{period} {expected}"
         );
-        // Second order too, times a factor of order one, of a decrement of 0.31.
+        // Also of second order, with a factor of order one, for a decrement of 0.31.
         let expected = std::f64::consts::TAU * zeta / root;
         assert!(
             (decrement / expected - 1.0).abs() < 1e-3,
@@ -222,7 +222,7 @@ fn damping_has_the_period_and_the_decrement_of_the_textbook() {
     }
 }
 
-/// A block that only moves in x, with a spring on all its nodes.
+/// A block that moves only in x, with a spring on all its nodes.
 fn block_on_a_spring(stiffness: f64) -> Model {
     let mut model = scene::empty();
     let solid = scene::heavy(1e4, 0.2, DENSITY);
@@ -244,7 +244,7 @@ fn a_block_swings_on_its_spring() {
     model.initial_velocity = vec![[V0, 0.0, 0.0]; model.mesh.nodes.len()];
     let omega = (stiffness / (DENSITY * 60.0 * 40.0 * 50.0)).sqrt();
     let period = std::f64::consts::TAU / omega;
-    // Two periods and a quarter: at the turn.
+    // Two and a quarter periods: at the turning point.
     let count = 450;
     model.steps = vec![scene::set_free(
         Gravity::None,
@@ -256,13 +256,13 @@ fn a_block_swings_on_its_spring() {
     let recording = completed(&model);
     let last = recording.rows.last().unwrap();
     let u = recording.frames.last().unwrap().displacement[0][0];
-    // Backward Euler's first increment takes (ωΔt)²/2 = 5e-4 of the swing and the phase runs late by
-    // 2.25 × 8e-5 of a period, which the turn does not show.
+    // The first increment, by backward Euler, takes (ωΔt)²/2 = 5e-4 of the amplitude. The phase is late by 2.25 ×
+    // 8e-5 of a period, which does not affect the turning point.
     assert!((u / (V0 / omega) - 1.0).abs() < 1e-3, "{u}");
     assert!(last.kinetic_energy_J < 1e-3 * last.elastic_energy_J);
-    // The residual.
+    // Tolerance: the residual.
     assert!(gap(last).abs() < 1e-5 * last.external_work_J);
-    // Each zero crossing half a period after the last, late by (ωΔt)²/12 = 8e-5.
+    // Zero crossings are half a period apart, late by (ωΔt)²/12 = 8e-5.
     let path: Vec<[f64; 2]> = recording
         .frames
         .iter()
@@ -276,7 +276,7 @@ fn a_block_swings_on_its_spring() {
     assert_eq!(crossings.len(), 4);
     for pair in crossings.windows(2) {
         let half = pair[1] - pair[0];
-        // Linear between increments beside it.
+        // Tolerance: linear interpolation between increments.
         assert!((2.0 * half / period - 1.0).abs() < 5e-4, "{half} {period}");
     }
 }
@@ -295,10 +295,10 @@ fn a_driven_spring_pulls_against_another() {
     let recording = completed(&model);
     let last = recording.rows.last().unwrap();
     for displacement in &recording.frames.last().unwrap().displacement {
-        // k₁/(k₁ + k₂) of 8 mm, to the residual.
+        // k₁/(k₁ + k₂) of 8 mm, up to the residual.
         assert!((displacement[0] - 6.0).abs() < 1e-6, "{displacement:?}");
     }
-    // ½ × 3 × 2² + ½ × 1 × 6² = 24 N mm, all brought in by the driven end.
+    // ½ × 3 × 2² + ½ × 1 × 6² = 24 N mm, all supplied by the driven end.
     assert!((last.elastic_energy_J - 0.024).abs() < 1e-8, "{last:?}");
     assert!((last.external_work_J - 0.024).abs() < 1e-8, "{last:?}");
 }

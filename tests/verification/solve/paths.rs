@@ -1,4 +1,4 @@
-//! Path following: the load is an unknown, and equilibrium is traced where it falls.
+//! Path following: the load is unknown, and equilibrium is followed where the load decreases.
 
 use crate::common::scene::{self, Face, Recording, completed};
 use wythe::deck::Deck;
@@ -8,7 +8,7 @@ use wythe::model::probes::ProbeQuantity;
 use wythe::model::scene::{Control, Gravity, Increments, Procedure, Step, Tangent};
 use wythe::state::Method;
 
-/// The bar of the atlas, with other steps.
+/// The bar of the atlas with other steps.
 fn bar(steps: &str) -> Recording {
     let folder = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -21,7 +21,7 @@ fn bar(steps: &str) -> Recording {
     completed(&model)
 }
 
-/// Force of the interface over its opening [mm], 100 × 100 mm of Table 1 [kN].
+/// Force of the interface as a function of its opening [mm], 100 × 100 mm of Table 1 [kN].
 fn softened(opening: f64) -> f64 {
     let (f_t, u_k, zeta) = (0.28, 0.2, 4.38_f64);
     let q = (1.0 - (-zeta * opening / u_k).exp()) / (1.0 - (-zeta).exp());
@@ -61,19 +61,19 @@ fn the_opening_of_a_crack_steers_the_load_through_a_snap_back() {
     );
     for row in rows.iter().filter(|r| r.probes[0] > 1e-3) {
         let exact = softened(row.probes[0]);
-        // The tolerance of the residual, on a force that is spread over eight nodes.
+        // Tolerance: the residual, for a force that is distributed over eight nodes.
         assert!(
             (row.force_kN - exact).abs() < 5e-3 * 2.8,
             "{} mm: {} {exact}",
             row.probes[0],
             row.force_kN
         );
-        // The end is where the opening and the bar's 1000 mm of 2970 MPa put it.
+        // The end follows from the opening and the elongation of the bar of 1000 mm with 2970 MPa.
         let end = row.probes[0] + row.force_kN * 1e3 / 1e4 * 1000.0 / 2970.0;
         assert!((row.displacement_mm - end).abs() < 1e-3 * 0.1, "{end}");
         assert!((0.094 + row.load_factor * 0.1 - row.displacement_mm).abs() < 1e-12);
     }
-    // There and back, and on again: the opening grows evenly to its end.
+    // The displacement turns back and forward again: the opening increases steadily to its end.
     let turns = rows
         .windows(2)
         .filter(|w| w[1].load_factor < w[0].load_factor);
@@ -106,14 +106,14 @@ fn dissipation_traces_the_snap_back_and_static_takes_over_again() {
         let used = |method| rows.iter().any(|r| r.procedure == method);
         assert!(used(Method::Dissipation) && used(Method::Static));
         for row in rows.iter().filter(|r| r.probes[0] > 1e-3) {
-            // The tolerance of the residual.
+            // Tolerance: the residual.
             let exact = softened(row.probes[0]);
             assert!((row.force_kN - exact).abs() < 1e-2 * 2.8, "{procedure}");
         }
     }
 }
 
-/// Half of a clamped shallow arch of 1 m, 10 mm thick, that rises by 40 mm; its weight grows.
+/// Half of a fixed shallow arch of 1 m with a thickness of 10 mm and a rise of 40 mm; its weight increases.
 fn shallow_arch(how: Procedure, increments: Increments) -> Model {
     let mut model = scene::empty();
     let solid = scene::heavy(1e4, 0.0, 1e-7);
@@ -152,7 +152,7 @@ fn shallow_arch(how: Procedure, increments: Increments) -> Model {
     model
 }
 
-/// Growing from `initial` to `max`.
+/// Increments that grow from `initial` to `max`.
 fn increments(initial: f64, max: f64, peak: f64) -> Increments {
     Increments {
         initial,
@@ -186,19 +186,19 @@ fn an_arch_snaps_through_and_both_ways_of_steering_its_weight_agree() {
         trough(&controlled),
         trough(&followed)
     );
-    // It snaps: the load falls by far.
+    // The arch snaps: the load decreases strongly.
     assert!(trough(&controlled) < 0.5 * limit(&controlled));
-    // Each knows the extreme to the spacing of its own points.
+    // Each curve has the extreme within the spacing of its points.
     assert!((limit(&followed) / limit(&controlled) - 1.0).abs() < 1e-2);
     let scale = limit(&controlled);
     assert!((trough(&followed) - trough(&controlled)).abs() < 2e-2 * scale);
-    // Arc length arrives at the whole load.
+    // Arc length reaches the full load.
     assert!((followed.last().unwrap()[1] - 1.0).abs() < 1e-9);
 }
 
 #[test]
 fn increments_are_short_where_the_load_has_its_peak() {
-    // Elastic, so that what is left of the peak is of the increments alone: (limit, increments to get to 30 mm).
+    // Elastic, so that the error of the peak comes from the increments alone: (limit, number of increments to 30 mm).
     let limit = |sizes| {
         let rows = completed(&shallow_arch(Procedure::DisplacementControl, sizes)).rows;
         let early: Vec<_> = rows.iter().filter(|r| r.probes[0] < 30.0).collect();
@@ -215,17 +215,17 @@ fn increments_are_short_where_the_load_has_its_peak() {
             seen / exact
         );
         assert!(passed_over < 0.991 * exact, "{size}");
-        // What is asked for, and the tolerance of the residual.
+        // Tolerance: the required accuracy and the residual.
         assert!(
             seen > (1.0 - 0.005 - 1e-3) * exact,
             "{size}: {seen} {exact}"
         );
-        // One that has passed over it is taken again, in parts, and what follows is short at first.
+        // An increment that passed the peak is repeated in parts, and the following increments are short at first.
         assert!(more <= few + 3, "{size}: {few} {more}");
     }
 }
 
-/// A bond that breaks within 3 µm is pulled and sheared over millimetres: the first increment is beyond its peak.
+/// A bond that breaks within 3 µm is pulled and sheared over millimetres: the first increment ends beyond its peak.
 #[test]
 fn a_peak_within_the_first_increments_is_seen() {
     let most = |name: &str, step: &str, way: &str, peak: &str| {
@@ -238,7 +238,7 @@ fn a_peak_within_the_first_increments_is_seen() {
         rows.iter().map(|r| r.force_kN).fold(0.0, f64::max)
     };
     let (torn, sheared) = ("01_couplet_tension", "02_couplet_shear");
-    // f_t A, of which uneven stress takes half a per cent; as much may be left unseen.
+    // f_t A, of which nonuniform stress takes half a per cent; the peak control allows another half.
     let bond = 0.28e-3 * 204.0 * 98.0;
     for way in ["0.2 mm", "0.4 mm", "1 mm", "5 mm", "50 mm"] {
         let seen = most(torn, "steps.0", way, "0.005");
@@ -255,7 +255,8 @@ fn a_peak_within_the_first_increments_is_seen() {
     assert!(most(sheared, "steps.1", "6 mm", "1") < 0.95 * slowly);
 }
 
-/// The corner of a strong joint is in one increment of a step, or in the first of a later one: always the same peak.
+/// The peak of a strong joint lies within one increment of a step, or within the first of a later one: the same peak
+/// is found.
 #[test]
 fn no_increment_hides_a_peak_however_the_drive_is_divided() {
     let torn = |first: Option<f64>, way: f64| {
@@ -278,7 +279,7 @@ fn no_increment_hides_a_peak_however_the_drive_is_divided() {
         let rows = completed(&model).rows;
         rows.iter().map(|r| r.force_kN).fold(0.0, f64::max)
     };
-    // Uneven stress takes two per cent of f_t A = 39.98 kN; increments of 6e-5 mm give 39.17 kN.
+    // Nonuniform stress takes two per cent of f_t A = 39.98 kN; increments of 6e-5 mm give 39.17 kN.
     let exact = 39.17;
     let runs = [
         (None, 0.2),
@@ -291,12 +292,13 @@ fn no_increment_hides_a_peak_however_the_drive_is_divided() {
     for (first, way) in runs {
         let seen = torn(first, way);
         println!("{first:?} {way}: {:.4}", seen / exact);
-        // Half a per cent is asked for, and as much again for the estimate.
+        // Half a per cent is required; the estimate may err by as much again.
         assert!((seen / exact - 1.0).abs() < 0.01, "{first:?} {way}: {seen}");
     }
 }
 
-/// A bar of two elements that cracks as one, of 1 MPa on 50 by 50 mm: solids hide no more than joints.
+/// A bar of two elements that crack together, 1 MPa on 50 by 50 mm: peaks in solids are found as well as those in
+/// joints.
 #[test]
 fn no_increment_hides_the_strength_of_a_bar() {
     for way in [0.1, 0.5, 2.0, 10.0] {
@@ -346,7 +348,7 @@ fn a_displacement_finds_its_pressure() {
     let deck = Deck::from_str(deck, "block.toml").unwrap();
     let (model, _) = Model::from_deck(&deck).unwrap();
     let rows = completed(&model).rows;
-    // E ε = 5 MPa, of 2 MPa; ε/2 of geometric stiffness and the tolerance.
+    // E ε = 5 MPa, out of 2 MPa; ε/2 of geometric stiffness and the tolerance.
     let factor = rows.last().unwrap().load_factor;
     assert!((factor / 2.5 - 1.0).abs() < 2e-3, "{factor}");
 }

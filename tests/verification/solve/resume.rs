@@ -1,4 +1,4 @@
-//! A run that goes on from a checkpoint is the run that was never stopped, to the last bit.
+//! A run that resumes from a checkpoint is bitwise equal to an uninterrupted run.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -16,12 +16,12 @@ use wythe::solve::Recorder;
 use wythe::state::{Frame, HistoryRow, Status, Summary};
 use wythe::state::{Method, State};
 
-/// Keeps everything, with a checkpoint after each commit, and may ask to stop.
+/// Records everything, with a checkpoint after each accepted increment, and may stop the run.
 #[derive(Default)]
 struct Keeper {
     recording: Recording,
     checkpoints: Vec<Checkpoint>,
-    /// Rows after which the run should stop; none = go on.
+    /// Number of rows after which the run should stop; `None`: never.
     stop_after: Option<usize>,
 }
 
@@ -46,7 +46,7 @@ impl Recorder for Keeper {
     }
 }
 
-/// What a file gives back of a checkpoint.
+/// A checkpoint after writing and reading.
 fn through_a_file(checkpoint: &Checkpoint) -> Checkpoint {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.bin");
@@ -66,31 +66,31 @@ fn through_a_file(checkpoint: &Checkpoint) -> Checkpoint {
     CheckpointFile::read(&path).unwrap().solver
 }
 
-/// Every number in digits that give back its bits.
+/// All numbers with enough digits to reproduce their bits.
 fn digits<T: std::fmt::Debug>(of: &[T]) -> Vec<String> {
     of.iter().map(|one| format!("{one:?}")).collect()
 }
 
-/// What does not depend on the clock.
+/// The part of a summary that does not depend on time.
 fn told(summary: &Summary) -> String {
     let mut summary = summary.clone();
     summary.seconds_by_phase = [0.0; 6];
-    // A run that goes on has no factors from before: the first it makes are whole, to the same bits.
+    // A resumed run has no earlier factors: its first factorisation is complete, with the same bits.
     summary.reused = 0.0;
     format!("{summary:?}")
 }
 
-/// Increments after which another method goes on or another step begins.
+/// Increments after which the procedure or the step changes.
 fn turns(rows: &[HistoryRow]) -> BTreeSet<usize> {
     let pairs = rows.windows(2).enumerate();
     let turning = pairs.filter(|(_, w)| w[0].procedure != w[1].procedure || w[0].step != w[1].step);
     turning.flat_map(|(i, _)| [i, i + 1, i + 2]).collect()
 }
 
-/// Runs a model to its end; then from checkpoints at turns and at random, for some increments; then once
-/// more from the start, stopped after every increment.
+/// Runs a model to its end. Then resumes from checkpoints at changes and at random, for some increments each. Then
+/// runs once more from the start, interrupted after every increment.
 fn goes_on_as_if_nothing_had_happened(model: &Model, name: &str, seed: u64) -> Vec<HistoryRow> {
-    /// Increments that are compared after each checkpoint.
+    /// Number of increments that are compared after each checkpoint.
     const AHEAD: usize = 12;
     let mut whole = Keeper::default();
     let end = solve::run(model, &mut whole).unwrap();
@@ -179,8 +179,8 @@ fn a_wall_that_cracks() {
     }
 }
 
-/// A slender column that is bent is too badly conditioned for factors of single precision, a stocky one is not: the
-/// first increment finds out, the others of its step know of it, and so does a run that goes on with them.
+/// A slender column in bending is too badly conditioned for factors in single precision, a stocky one is not. The
+/// first increment detects this, the other increments of the step use it, and so does a resumed run.
 #[test]
 fn a_column_that_wants_double_precision() {
     for (cells, wants) in [(100, true), (8, false)] {
@@ -195,7 +195,7 @@ fn a_column_that_wants_double_precision() {
             &solid,
         );
         scene::hold(&mut model, column.face(Face::Bottom), [true; 3]);
-        // Sideways: the head of the slender one moves by a millimetre.
+        // Sideways load: the head of the slender column moves by a millimetre.
         let gravity = Gravity::Growing([98.1, 0.0, 0.0]);
         model.steps = vec![scene::left_alone(gravity, 1.0, 5, 1e-6); 2];
         let mut keeper = Keeper::default();
@@ -209,7 +209,7 @@ fn a_column_that_wants_double_precision() {
     }
 }
 
-/// Of which one half is solved, and of which solids stay elastic.
+/// One half is solved, and its solids remain elastic.
 #[test]
 fn a_wall_of_less_fidelity() {
     for (fidelity, seed) in [("auto", 51), ("elastic", 52)] {
@@ -224,7 +224,7 @@ fn a_wall_of_less_fidelity() {
     }
 }
 
-/// Whose factors serve several iterates of an increment, and none of the next.
+/// Factors are reused for several iterates of an increment, but not in the next increment.
 #[test]
 fn a_wall_that_factorises_less() {
     let less = [
@@ -237,7 +237,7 @@ fn a_wall_that_factorises_less() {
     goes_on_as_if_nothing_had_happened(&model, "factors", 71);
 }
 
-/// A run that began with the whole goes on with it.
+/// A run that began with the whole model continues with it.
 #[test]
 fn a_run_of_the_whole_stays_whole() {
     let less = [
@@ -295,12 +295,12 @@ fn paths_of_every_kind() {
     );
 }
 
-/// Three steps; joints without strength, secant matrices and those of the laws themselves.
+/// Three steps; joints without strength; secant matrices and exact tangents.
 #[test]
 fn a_wall_that_tilts_twice() {
     let wall = "tests/stability/cases/09-tilted-wall/deck-a.toml";
     for (tangent, seed) in [("secant", 31), ("direct", 32)] {
-        // The last step ends before anything falls.
+        // The last step ends before collapse.
         let overrides = [
             ("steps.1.tangent", tangent),
             ("steps.2.tangent", tangent),
@@ -312,8 +312,8 @@ fn a_wall_that_tilts_twice() {
     }
 }
 
-/// The step ends early, where it is to end; a run that goes on may end it elsewhere, and then is the run
-/// that was to end there from the start.
+/// The step ends early at its stop condition. A resumed run may have another stop condition; it is then equal to a
+/// run that had this condition from the start.
 #[test]
 fn a_step_that_stops_by_itself() {
     let of = |key, value| {
@@ -334,7 +334,7 @@ fn a_step_that_stops_by_itself() {
     rows.extend(rest.recording.rows);
     let (whole, _) = scene::run(&later);
     assert!(digits(&rows) == digits(&whole.rows));
-    // A step that has stopped stays so.
+    // A step that has stopped remains finished.
     let mut nothing = Keeper::default();
     solve::resume(&early, checkpoint, &mut nothing).unwrap();
     assert!(nothing.recording.rows.is_empty());
@@ -373,7 +373,7 @@ fn blocks_in_motion() {
     }
 }
 
-/// The ladder comes to inertia when a unit tears off, and goes back when it lies.
+/// The procedure falls back to inertia when a unit tears off, and returns when it comes to rest.
 #[test]
 fn a_unit_that_tears_off() {
     let model = deck("tests/stability/cases/20-detached-unit/deck.toml", &[]);
@@ -381,7 +381,7 @@ fn a_unit_that_tears_off() {
     assert!(methods(&rows).contains("quasi_static"));
 }
 
-/// Without viscosity bricks snap: the ladder goes up and down all the time.
+/// Without viscosity bricks snap: the procedure falls back and returns all the time.
 #[test]
 fn a_wall_on_the_ladder() {
     let model = deck(
@@ -396,7 +396,8 @@ fn a_wall_on_the_ladder() {
     assert!(methods(&rows).len() > 1);
 }
 
-/// Twice as long a last step is the one that was so from the start, as long as its end does not show.
+/// Doubling the last step is equal to a run that had this length from the start, while increments do not depend on
+/// its end.
 #[test]
 fn a_longer_last_step_goes_on_in_the_same_increments() {
     let of = |displacement: f64, part: f64| {
@@ -462,8 +463,8 @@ fn another_model_is_refused() {
     assert!(solve::resume(&output, checkpoint, &mut Keeper::default()).is_ok());
 }
 
-/// Within the branches of an amplitude, under a follower pressure that a displacement steers, and where a
-/// row of a table only changes the speed.
+/// Within the branches of an amplitude, under a follower pressure that a displacement controls, and at a row of a
+/// table that only changes the rate.
 #[test]
 fn loads_and_amplitudes() {
     let cycles = [

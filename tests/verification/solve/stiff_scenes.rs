@@ -1,4 +1,4 @@
-//! Beams that turn or stay level, rigid-like bodies, columns: against what rigid bodies do.
+//! Beams that rotate or stay level, nearly rigid bodies and columns against rigid-body mechanics.
 
 use crate::common::blocks::{Bad, deck as parsed, refuses};
 use crate::common::examples::load;
@@ -9,7 +9,7 @@ use wythe::state::Status;
 
 const PIER: &str = include_str!("../../../examples/66_rocking_pier.toml");
 
-/// Force of the push at the deflection u: the load N and the weight W about the toe of the pier, b long.
+/// Force of the push at the deflection u: load N and weight W act about the toe of a pier of width b.
 #[test]
 fn a_pier_below_a_beam_rocks_as_a_rigid_body() {
     let (load, weight) = (0.5 * 400.0 * 200.0, 0.4 * 0.2 * 1.0 * 2300.0 * 9.81);
@@ -18,20 +18,21 @@ fn a_pier_below_a_beam_rocks_as_a_rigid_body() {
         .replace("rotation = \"free\"", "rotation = \"level\"")
         .replace("direction = \"x\"", "direction = \"x\"\nfree = [\"z\"]");
     for (text, exact) in [
-        // Pushed at half the depth of the beam; N in the middle.
+        // Pushed at half the depth of the beam; N acts in the middle.
         (PIER, (load + weight) * 0.5 * b / (height + 0.5 * depth)),
-        // The beam's load goes to the other end; moment about the toe at the height of the joint below the beam.
+        // The beam's load moves to the other end; moment about the toe at the height of the joint below the beam.
         (level.as_str(), (load + 0.5 * weight) * b / height),
     ] {
         let rows = rows(&parsed(text));
         let push = rows.iter().filter(|r| r.step == 2);
         let peak = 1e3 * push.map(|r| r.force_kN).fold(0.0, f64::max);
-        // What the pier leans at the peak, 0.15 mm of 200 mm, and the joints that give way at the toe: less, never more.
+        // The result may only be smaller: the pier leans by 0.15 mm of 200 mm at the peak, and the joints at the toe
+        // deform.
         assert!(
             peak < exact && peak > 0.998 * exact,
             "{peak} N of {exact} N"
         );
-        // Beyond, the load moves towards the toe: N u less in the moment.
+        // Beyond the peak the load moves towards the toe: the moment decreases by N u.
         let last = &rows[rows.len() - 1];
         let fallen = 1.0 - 1e3 * last.force_kN / peak;
         assert!(fallen > 0.005 && fallen < 0.03, "{fallen}");
@@ -55,20 +56,20 @@ fn the_checker_tells_what_is_rigid_and_what_beams_are() {
         .unwrap();
     let elastic = stone.parameters.elastic();
     assert!((elastic.E / 6e6 - 1.0).abs() < 1e-12 && elastic.density > 0.0);
-    // What is written with its defaults is the same deck.
+    // A deck written with its defaults is the same deck.
     let again = parsed(&deck.to_toml().unwrap());
     assert!(again == deck);
 }
 
-/// Rigid units have lines where the joints above and below stand, and no others.
+/// Rigid units have mesh lines at the joints above and below, and no others.
 #[test]
 fn rigid_units_have_points_of_contact_at_all_corners() {
     let wall = PIER
         .replace("unit = [\"400 mm\"", "unit = [\"160 mm\"")
         .replace("rotation = \"free\"", "");
     let model = Model::from_deck(&parsed(&wall)).unwrap().0;
-    // 2½ units of 160 mm a course, mirrored by turns: courses of 160, 160, 80 and 80, 160, 160, whole units cut at the
-    // joint of the next course: 2 + 2 + 1 elements.
+    // 2½ units of 160 mm per course, mirrored in every other course: courses of 160, 160, 80 and 80, 160, 160. Whole
+    // units are cut at the joint of the next course: 2 + 2 + 1 elements.
     let units = model.mesh.course.iter().filter(|c| **c == 3).count();
     assert_eq!(units, 5);
     let lines: Vec<f64> = (0..model.mesh.elements.len())
@@ -78,7 +79,7 @@ fn rigid_units_have_points_of_contact_at_all_corners() {
     assert_eq!(lines, [80.0, 160.0, 240.0, 320.0, 400.0]);
 }
 
-/// Example 68: tan α = b/h with the lintel as without.
+/// Example 68: tan α = b/h, with and without the lintel.
 #[test]
 fn columns_below_a_lintel_fall_at_the_angle_of_one_block() {
     let deck = load(
@@ -96,8 +97,8 @@ fn columns_below_a_lintel_fall_at_the_angle_of_one_block() {
     assert_eq!(summary.status, Status::NotConverged, "{}", summary.message);
     let last = recording.rows.last().unwrap();
     let angle = 20.0 * (last.time - 1.0);
-    // Increments before the fall are cut to 1e-6 of the step; equilibrium is met to 2e-3 of a nodal force, of which the
-    // moments that hold the columns are made: 2e-4 found.
+    // Increments before the fall are cut to 1e-6 of the step. Equilibrium holds to 2e-3 of a nodal force, which
+    // determines the moments that hold the columns: 2e-4 measured.
     assert!((angle / exact - 1.0).abs() < 2e-3, "{angle} of {exact}");
 }
 
@@ -123,7 +124,7 @@ fn columns_are_blocks_on_each_other_also_when_they_are_turned() {
         .replace("slave = [\"left-3.top\", ", "slave = [");
     let leaning = format!("{leaning}[[supports]]\non = \"left\"\n");
     let model = Model::from_deck(&parsed(&leaning)).unwrap().0;
-    // Right-handed about x: what stood on top lies at −y.
+    // Right-handed about x: the upper body lies at −y.
     let top = model.mesh.corners(4);
     assert!(top.iter().all(|x| x[1] < -1200.0 + 1e-9), "{top:?}");
 }
@@ -272,11 +273,11 @@ fn bad_columns_name_the_key_and_the_fix() {
     );
 }
 
-/// Whatever is rigid, the stiffness of what meets it must be said, below beams, too.
+/// If a body is rigid, the stiffness of its joints must be given explicitly, also below beams.
 #[test]
 fn joints_of_what_is_rigid_have_a_stiffness_of_their_own() {
     let soft = "[interfaces.soft]\nf_t = 0\nc = 0\ntan_phi = 0.7\nmu = 0.7\n[contact]";
-    // Of the bodies only the wall is rigid.
+    // Only the wall is rigid.
     let good = PIER.replace("[contact]", soft).replace(
         "at = [\"-100 mm\", 0, \"-50 mm\"]\nmaterial = \"stone\"\nrigid = true",
         "at = [\"-100 mm\", 0, \"-50 mm\"]\nmaterial = \"stone\"",
@@ -313,7 +314,7 @@ fn keys_without_effect_are_told() {
     assert!(keys(&filled).contains(&"wall.filled_from".to_owned()));
 }
 
-/// A step of gravity knows no beam, and is not told of a face that it does not name.
+/// A step of gravity has no beam, and no message about a face that it does not name.
 #[test]
 fn a_key_that_is_not_there_is_not_told() {
     let text = PIER.replace("kind = \"gravity\"", "kind = \"gravity\"\nbeam = \"beam\"");

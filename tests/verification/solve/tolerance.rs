@@ -1,11 +1,11 @@
-//! A small wall: tolerances and procedures against each other.
+//! A small wall: different tolerances and procedures give the same curve.
 
 use crate::common::scene::{self, How};
 use wythe::model::Model;
 use wythe::model::scene::Increments;
 use wythe::state::{HistoryRow, Status};
 
-/// The small wall pushed by 0.3 mm in equal increments; its drive.
+/// The small wall pushed by 0.3 mm in equal increments; returns the rows of the push.
 fn push(procedure: How, tolerance: f64) -> Vec<HistoryRow> {
     let mut model: Model = crate::common::small_wall();
     let step = &mut model.steps[1];
@@ -35,7 +35,7 @@ fn push(procedure: How, tolerance: f64) -> Vec<HistoryRow> {
     rows.filter(|r| r.step == 1).collect()
 }
 
-/// Value at a displacement, linearly between rows.
+/// Value at a displacement by linear interpolation between rows.
 fn at(rows: &[HistoryRow], x: f64, value: fn(&HistoryRow) -> f64) -> f64 {
     let next = rows
         .iter()
@@ -47,7 +47,7 @@ fn at(rows: &[HistoryRow], x: f64, value: fn(&HistoryRow) -> f64) -> f64 {
     value(a) + part * (value(b) - value(a))
 }
 
-/// Largest and root mean square difference of force and reaction, over the largest force.
+/// Largest and root mean square difference of force and reaction, divided by the largest force.
 fn difference(rows: &[HistoryRow], reference: &[HistoryRow]) -> [f64; 2] {
     let peak = reference.iter().map(|r| r.force_kN).fold(0.0, f64::max);
     let (mut most, mut sum) = (0.0_f64, 0.0);
@@ -68,16 +68,16 @@ fn curves_of_loose_and_tight_tolerances_and_of_all_procedures_agree() {
     assert!(last.open_points > 20 && last.sliding_points > 5, "{last:?}");
     assert!(last.max_interface_damage > 0.3, "{last:?}");
     for (procedure, tolerance, bound) in [
-        // What is out of balance at a node, 5e-3 of the mean nodal force of some 0.5 kN, over a peak
-        // of 60 kN is 5e-5; a score of nodes may add up.
+        // The residual at a node is 5e-3 of the mean nodal force of some 0.5 kN; over a peak of 60 kN this is 5e-5,
+        // and some twenty nodes may add up.
         (scene::DIRECT, 5e-3, 1e-3),
-        // The shifted penalty ends where its last iteration changes little: patterns of traction
-        // that settle slowly are cut off, at each increment anew. Seen: 2.5e-3.
+        // The shifted penalty stops when its last iteration changes little. In each increment this truncates traction
+        // patterns that converge slowly. Measured: 2.5e-3.
         (scene::CONSISTENT, 5e-3, 5e-3),
-        // The same, whatever the tangents of the solids.
+        // The same for other tangents of the solids.
         (scene::SECANT, 5e-3, 5e-3),
         (scene::SECANT, 5e-2, 1e-2),
-        // The same and the solids' extrapolation.
+        // The same plus the extrapolation of the solids.
         (scene::IMPLEX, 5e-3, 5e-3),
         (scene::IMPLEX, 2e-2, 1e-2),
     ] {

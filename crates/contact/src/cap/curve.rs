@@ -1,8 +1,8 @@
-//! Strength of the cap over its plastic displacement (theory/joint-cap.md, eqs 9 to 12).
+//! Strength of the cap as a function of its plastic displacement (theory/joint-cap.md, eqs 9 to 12).
 
 use std::f64::consts::FRAC_PI_4;
 
-/// Hardening and softening of the cap: an ellipse to the peak, a parabola and an exponential after it.
+/// Hardening and softening of the cap: an ellipse up to the peak, then a parabola, then an exponential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapCurve {
     /// Compressive strength f_m [MPa].
@@ -14,22 +14,22 @@ pub struct CapCurve {
 }
 
 impl CapCurve {
-    /// Where the cap begins, over f_m.
+    /// Strength at zero plastic displacement, divided by f_m.
     pub const INITIAL: f64 = 1.0 / 3.0;
-    /// Where the parabola ends, over f_m.
+    /// Strength at the end of the parabola, divided by f_m.
     pub const MIDDLE: f64 = 0.5;
-    /// Where the exponential goes, over f_m.
+    /// Residual strength, the asymptote of the exponential, divided by f_m.
     pub const RESIDUAL: f64 = 1.0 / 7.0;
 
-    /// Area above the residual up to the peak, over f_m κ_p.
+    /// Area between curve and residual strength up to the peak, divided by f_m κ_p.
     pub const RISING: f64 = Self::INITIAL + (1.0 - Self::INITIAL) * FRAC_PI_4 - Self::RESIDUAL;
-    /// Area above the residual beyond the peak, over f_m (κ_m − κ_p).
+    /// Area between curve and residual strength beyond the peak, divided by f_m (κ_m − κ_p).
     const FALLING: f64 = 1.0 + (Self::MIDDLE - 1.0) / 3.0 - Self::RESIDUAL
         + 0.5 * (Self::MIDDLE - Self::RESIDUAL) * (Self::MIDDLE - Self::RESIDUAL)
             / (1.0 - Self::MIDDLE);
 
-    /// The curve with strength `f_m` [MPa], peak at `peak` [mm] and the area `energy` [N/mm] above the residual
-    /// strength; none if that much is spent before the peak already.
+    /// The curve with strength `strength` [MPa], its peak at `peak` [mm] and the area `energy` [N/mm] above the
+    /// residual strength. `None` if the part before the peak alone has that area.
     pub fn with_energy(strength: f64, peak: f64, energy: f64) -> Option<Self> {
         let falling = energy - Self::RISING * strength * peak;
         (falling > 0.0).then(|| Self {
@@ -39,19 +39,19 @@ impl CapCurve {
         })
     }
 
-    /// Area above the residual strength, G_fc [N/mm].
+    /// Area between curve and residual strength, G_fc [N/mm].
     pub fn energy(&self) -> f64 {
         let rising = Self::RISING * self.peak;
         self.strength * (rising + Self::FALLING * (self.middle - self.peak))
     }
 
-    /// Largest slope of the softening, downwards [N/mm³].
+    /// Magnitude of the steepest softening slope [N/mm³].
     pub fn steepest(&self) -> f64 {
         2.0 * (1.0 - Self::MIDDLE) * self.strength / (self.middle - self.peak)
     }
 
-    /// Strength [MPa] and its slope [N/mm³] at the plastic displacement κ [mm]. The slope at κ = 0 is that at a
-    /// billionth of κ_p: it is infinite there.
+    /// Strength [MPa] and its slope [N/mm³] at the plastic displacement κ [mm]. The slope at κ = 0 is infinite; the
+    /// slope at 10⁻⁹ κ_p is returned instead.
     pub fn evaluate(&self, kappa: f64) -> (f64, f64) {
         let f = self.strength;
         if kappa < self.peak {
@@ -91,7 +91,7 @@ mod tests {
             area += curve.evaluate(kappa).0 - CapCurve::RESIDUAL * curve.strength;
         }
         area *= end / f64::from(n);
-        // Middle rule: the vertical tangent at 0 leaves (end/n)^1.5.
+        // Midpoint rule: the vertical tangent at κ = 0 leaves an error of (end/n)^1.5.
         assert!((area / 5.0 - 1.0).abs() < 1e-6, "{area}");
         assert!((curve.energy() / 5.0 - 1.0).abs() < 1e-14);
         for kappa in [0.001, 0.05, 0.0899, 0.0901, 0.3, 0.9, 2.0] {
@@ -99,7 +99,7 @@ mod tests {
             let difference =
                 (curve.evaluate(kappa + h).0 - curve.evaluate(kappa - h).0) / (2.0 * h);
             let slope = curve.evaluate(kappa).1;
-            // Rounding 1e-15/h and the curvature of the ellipse.
+            // Tolerance: rounding 1e-15/h and the curvature of the ellipse.
             assert!(
                 (difference - slope).abs() < 1e-5 * (1.0 + slope.abs()),
                 "{kappa}"

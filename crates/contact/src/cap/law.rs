@@ -16,17 +16,18 @@ const OUTPUTS: [Output; 3] = [
     Output::new("crushing", "mm", slot::CRUSHING),
 ];
 
-/// The part of a bond that is left at the opening up to which points are searched.
+/// Remaining fraction of the bond that defines the ultimate opening.
 const NEXT_TO_NOTHING: f64 = 0.01;
 
 impl Cap {
-    /// Whether it is the law of a joint cut at its middle, see [`half`](Self::half): no deck says an infinite G_II.
+    /// Whether this is the law of a joint cut at its middle (see [`half`](Self::half)). No deck gives an infinite
+    /// G_II.
     pub fn is_half(&self) -> bool {
         self.mode_2 == f64::INFINITY
     }
 
-    /// The law of the half of a joint in a plane of symmetry: twice as stiff, half of the energies and of the plastic
-    /// displacements; slip meets nothing.
+    /// Law of one half of a joint in a plane of symmetry. The stiffnesses are doubled, the mode I energy and the
+    /// plastic displacements of the cap are halved. Slip is free.
     #[must_use]
     pub fn half(&self) -> Self {
         Self {
@@ -47,12 +48,12 @@ impl Cap {
         }
     }
 
-    /// Shear traction that friction allows at σ while 1 − D = `left` [MPa].
+    /// Largest shear traction that the friction surface allows at σ with 1 − D = `left` [MPa].
     fn limit(&self, sigma: f64, left: f64) -> f64 {
         (self.c * left - self.friction(left) * sigma).max(0.0)
     }
 
-    /// Returns the trial traction with the given stiffness.
+    /// Response to a trial traction that is returned with the given stiffness.
     fn answer(
         &self,
         gap: [f64; 3],
@@ -105,7 +106,7 @@ impl Cap {
     }
 }
 
-/// dt/dg of a returned trial of shear traction `size` along `n`, with the stiffness that returned it.
+/// dt/dg for a trial with shear traction `size` along `n`; `[k_n, k_s]` is the stiffness used in the return.
 fn tangent(returned: &Returned, size: f64, n: Vector2<f64>, [k_n, k_s]: [f64; 2]) -> Matrix3<f64> {
     let [[nn, ns], [sn, ss]] = returned.slopes;
     let across = if size > 0.0 { returned.tau / size } else { ss };
@@ -142,8 +143,8 @@ impl JointLaw for Cap {
         self.answer(gap, old, trial, [k_n, k_s])
     }
 
-    /// Equation (1) of [`joint`](crate::joint) in closed form: the same return with the numerical stiffness, of the
-    /// trial k' (g − p) + (1 − k'/k) t₋.
+    /// Equation (1) of [`joint`](crate::joint) in closed form: the same return map, with the numerical stiffness and
+    /// the trial traction k' (g − p) + (1 − k'/k) t₋.
     fn update_shifted(
         &self,
         gap: [f64; 3],
@@ -162,7 +163,7 @@ impl JointLaw for Cap {
         let trial = [0, 1, 2]
             .map(|i| own[i] * (gap[i] - before[i]) + (1.0 - own[i] / whole[i]) * shift.traction[i]);
         let mut response = self.answer(gap, old, trial, soft);
-        // The law reads the opening that its elastic and plastic parts make.
+        // The history stores the opening that follows from the elastic and plastic parts.
         let opening = response.traction[0] / k_n + response.history.slots[slot::OPENING];
         response.history.opening = opening;
         response.history.opening_max = old.opening_max.max(opening);
@@ -174,7 +175,7 @@ impl JointLaw for Cap {
         &OUTPUTS
     }
 
-    /// It comes back without bond, and with the thickness that crushing and dilatancy left.
+    /// A point that meets a face again has no bond. Its plastic opening from crushing and dilatancy remains.
     fn lost(&self, old: &InterfaceHistory) -> InterfaceHistory {
         InterfaceHistory {
             slip: old.plastic_slip,

@@ -1,43 +1,43 @@
-//! Implicit return of an elastic trial traction to the three surfaces (docs/theory/joint-cap.md, "Algorithm").
+//! Implicit return of an elastic trial traction to the three yield surfaces (docs/theory/joint-cap.md, "Algorithm").
 //!
-//! Slip returns along the trial shear traction, so that the problem is one of σ and τ = |τ|. Each case is one equation
-//! of one unknown, with a bracket that holds its root; the tangent follows from the derivatives of all equations.
+//! Plastic slip follows the direction of the trial shear traction, so that the unknowns are σ and τ = |τ|. Each case
+//! is one scalar equation with a bracket around its root. The tangent follows from the derivatives of all equations.
 
 use nalgebra::{Matrix5, SMatrix};
 
 use super::Cap;
 
-/// An elastic trial, and the history at the start of the step.
+/// An elastic trial traction and the history at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     /// σ* [MPa].
     pub sigma: f64,
     /// |τ*| [MPa].
     pub tau: f64,
-    /// Stiffness that returns, normal and shear [N/mm³].
+    /// Stiffness used in the return, normal and shear [N/mm³].
     pub stiffness: [f64; 2],
-    /// Part of the bond that is left, 1 − D [-].
+    /// Remaining fraction of the bond, 1 − D [-].
     pub left: f64,
-    /// Plastic slip along its way s_p [mm].
+    /// Accumulated plastic slip s_p [mm].
     pub slip: f64,
     /// Plastic displacement of the cap κ_c [mm].
     pub crushing: f64,
 }
 
-/// The end of a return.
+/// Result of a return.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Returned {
     /// σ [MPa].
     pub sigma: f64,
     /// |τ| [MPa].
     pub tau: f64,
-    /// ∂(σ, |τ|)/∂(σ*, |τ*|) [-]. `[of][by]`
+    /// ∂(σ, |τ|)/∂(σ*, |τ*|) [-]. `[value][trial value]`
     pub slopes: [[f64; 2]; 2],
     /// Increment of the plastic opening [mm].
     pub opening: f64,
     /// Increment of the plastic slip along τ [mm].
     pub slip: f64,
-    /// Increment of the slip that the friction surface made λ₂ [mm].
+    /// Increment of the slip on the friction surface λ₂ [mm].
     pub friction_slip: f64,
     /// 1 − D [-].
     pub left: f64,
@@ -45,7 +45,8 @@ pub(super) struct Returned {
     pub crushing: f64,
 }
 
-/// Multipliers: of tension λ₁ [mm], of friction λ₂ [mm], of the cap μ' [mm/MPa]; those of inactive surfaces are 0.
+/// Plastic multipliers of tension λ₁ [mm], friction λ₂ [mm] and cap μ' [mm/MPa]. Multipliers of inactive surfaces are
+/// 0.
 #[derive(Clone, Copy, Debug, Default)]
 struct Multipliers {
     tension: f64,
@@ -54,11 +55,11 @@ struct Multipliers {
     active: [bool; 3],
 }
 
-/// Excess of an inactive surface that is rounding, over the strengths.
+/// Excess of an inactive surface that counts as rounding, divided by the sum of the strengths.
 const ROUNDING: f64 = 1e-10;
 
-/// The root of a function that is positive at `low` and not positive at `high`: the secant of the bracket, with the
-/// weight of an end halved that stays (Illinois), and the middle where that gains too little.
+/// Root of a function that is positive at `low` and not positive at `high`. Regula falsi with the Illinois
+/// modification: the value at an end that stays is halved. Every third step is a bisection.
 fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (f(low), f(high));
     if at_low.is_nan() || at_low <= 0.0 {
@@ -109,7 +110,7 @@ fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Cap {
-    /// f_t/G_I: loss of the bond per plastic opening [1/mm].
+    /// f_t/G_I: decay rate of the bond with plastic opening [1/mm].
     pub(super) fn loss_by_opening(&self) -> f64 {
         if self.f_t > 0.0 {
             self.f_t / self.mode_1
@@ -118,7 +119,7 @@ impl Cap {
         }
     }
 
-    /// c/G_II: loss of the bond per plastic slip [1/mm].
+    /// c/G_II: decay rate of the bond with plastic slip [1/mm].
     pub(super) fn loss_by_slip(&self) -> f64 {
         if self.c > 0.0 {
             self.c / self.mode_2
@@ -127,12 +128,12 @@ impl Cap {
         }
     }
 
-    /// tan φ of a bond of which this part is left [-].
+    /// tan φ for the remaining fraction `left` of the bond [-].
     pub(super) fn friction(&self, left: f64) -> f64 {
         self.mu + (self.tan_phi - self.mu) * left
     }
 
-    /// tan ψ at σ and s_p, and its slopes [-], [1/MPa], [1/mm].
+    /// tan ψ at σ and s_p [-], and its derivatives by σ [1/MPa] and by s_p [1/mm].
     fn dilatancy(&self, sigma: f64, slip: f64) -> [f64; 3] {
         if self.tan_psi == 0.0 {
             return [0.0; 3];
@@ -154,12 +155,12 @@ impl Cap {
         (self.c_nn * sigma * sigma + self.c_ss * tau * tau).sqrt()
     }
 
-    /// Plastic displacement of the cap for a multiplier of 1 [MPa].
+    /// Plastic displacement of the cap per unit of its multiplier [MPa].
     fn cap_rate(&self, sigma: f64, tau: f64) -> f64 {
         (self.c_nn * sigma.min(0.0)).hypot(self.c_ss * tau)
     }
 
-    /// Returns a trial.
+    /// Returns a trial traction to the admissible set. Single surfaces are tried first, then pairs.
     pub(super) fn return_map(&self, trial: &Trial) -> Returned {
         let strength = self.curve.evaluate(trial.crushing).0;
         let Trial {
@@ -223,7 +224,7 @@ impl Cap {
         self.finish(trial, &m)
     }
 
-    /// λ₁: σ* − k_n λ₁ = f_t (1 − D(λ₁)).
+    /// λ₁ from σ* − k_n λ₁ = f_t (1 − D(λ₁)).
     fn tension_multiplier(&self, trial: &Trial) -> f64 {
         let (k, loss) = (trial.stiffness[0], self.loss_by_opening());
         let strength = self.f_t * trial.left;
@@ -232,7 +233,7 @@ impl Cap {
         })
     }
 
-    /// σ for the multipliers of friction and cap: σ (1 + k_n C_nn μ') = σ* − k_n λ₂ tan ψ(σ).
+    /// σ for given multipliers of friction and cap: σ (1 + k_n C_nn μ') = σ* − k_n λ₂ tan ψ(σ).
     fn sigma(&self, trial: &Trial, friction: f64, cap: f64) -> f64 {
         let k = trial.stiffness[0];
         let slip = trial.slip + friction;
@@ -248,13 +249,13 @@ impl Cap {
         }
     }
 
-    /// |τ| for them.
+    /// τ| for given multipliers of friction and cap.
     fn tau(&self, trial: &Trial, friction: f64, cap: f64) -> f64 {
         let k = trial.stiffness[1];
         (trial.tau - k * friction).max(0.0) / (1.0 + k * self.c_ss * cap)
     }
 
-    /// λ₂ on the friction surface, with this multiplier of the cap; 0 within it.
+    /// λ₂ on the friction surface for a given multiplier of the cap; 0 if the trial lies inside the surface.
     fn friction_multiplier(&self, trial: &Trial, cap: f64) -> f64 {
         let loss = self.loss_by_slip();
         root(0.0, trial.tau / trial.stiffness[1], |l| {
@@ -264,7 +265,7 @@ impl Cap {
         })
     }
 
-    /// μ' on the cap, alone or with friction.
+    /// μ' on the cap, alone or together with friction.
     fn cap_multiplier(&self, trial: &Trial, with_friction: bool) -> f64 {
         let excess = |m: f64| {
             let friction = if with_friction {
@@ -287,7 +288,8 @@ impl Cap {
         root(0.0, high, excess)
     }
 
-    /// Both multipliers where tension and friction meet: the unknown is the loss of the bond ln(1 − D_n)/(1 − D).
+    /// Both multipliers at the corner of tension and friction. The unknown is the loss of the bond, −ln((1 − D)/(1 −
+    /// Dₙ)).
     fn tension_and_friction(&self, trial: &Trial) -> Multipliers {
         let [k_n, k_s] = trial.stiffness;
         let losses = [self.loss_by_opening(), self.loss_by_slip()];
@@ -313,7 +315,7 @@ impl Cap {
         }
     }
 
-    /// σ, |τ|, 1 − D and κ_c for multipliers.
+    /// σ, |τ|, 1 − D and κ_c for given multipliers.
     fn end(&self, trial: &Trial, m: &Multipliers) -> [f64; 4] {
         let loss = self.loss_by_opening() * m.tension + self.loss_by_slip() * m.friction;
         let left = trial.left * (-loss).exp();
@@ -328,7 +330,7 @@ impl Cap {
         } else {
             let sigma = self.sigma(trial, m.friction, m.cap);
             let tau = if m.active[1] {
-                // On the surface: the same but for the rounding of a long slip.
+                // This is τ on the surface. It differs from `self.tau` only by rounding, which grows with the slip.
                 (self.c * left - self.friction(left) * sigma).max(0.0)
             } else {
                 self.tau(trial, m.friction, m.cap)
@@ -339,7 +341,7 @@ impl Cap {
         [sigma, tau, left, crushing]
     }
 
-    /// Whether all inactive surfaces hold.
+    /// Whether no inactive surface is violated by more than `most`.
     fn holds(&self, trial: &Trial, m: &Multipliers, most: f64) -> bool {
         let [sigma, tau, left, crushing] = self.end(trial, m);
         let excess = [
@@ -350,7 +352,7 @@ impl Cap {
         (0..3).all(|i| m.active[i] || excess[i] <= most)
     }
 
-    /// The end with its slopes.
+    /// Result for given multipliers, with its derivatives.
     fn finish(&self, trial: &Trial, m: &Multipliers) -> Returned {
         let [sigma, tau, left, crushing] = self.end(trial, m);
         let pressed = sigma.min(0.0);
@@ -372,7 +374,7 @@ impl Cap {
         }
     }
 
-    /// Derivatives of the end by the trial: of all equations by σ, |τ|, λ₁, λ₂, μ', solved.
+    /// Derivatives of the result by the trial traction, from the linearised system in σ, |τ|, λ₁, λ₂, μ'.
     fn slopes(
         &self,
         trial: &Trial,

@@ -1,13 +1,14 @@
-//! How far a hex8 reaches across a direction, for the band in which its material softens (theory/crack-band.md, eq. 2).
+//! Width of a hex8 across a direction, for the band in which softening localises (theory/crack-band.md, eq. 2).
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::element::hex8::CORNERS;
 use crate::material::Extent;
 
-/// Extent of the element with these corners and this volume [mm, mm³]; none if it is inverted at its centroid.
+/// Extent of the element with these corners [mm] and this volume [mm³]; `None` if the Jacobian at its centroid is not
+/// positive.
 pub fn extent(corners: &[[f64; 3]; 8], volume: f64) -> Option<Extent> {
-    // Half of the edges in the mean: the columns of the Jacobian at the centroid.
+    // The columns of the Jacobian at the centroid are half of the mean edges.
     let mut jacobian = Matrix3::zeros();
     for (x, xi) in corners.iter().zip(&CORNERS) {
         jacobian += Vector3::from(*x) * Vector3::from(*xi).transpose() / 8.0;
@@ -19,7 +20,7 @@ pub fn extent(corners: &[[f64; 3]; 8], volume: f64) -> Option<Extent> {
         gradient: CORNERS.map(|xi| inverse.transpose() * Vector3::from(xi) / 8.0),
         ..Extent::ball(volume.cbrt())
     };
-    // Widest along diagonals, narrowest along edges or normals of faces.
+    // The width is largest along diagonals, and smallest along edges or face normals.
     let edges = [0, 1, 2].map(|i| jacobian.column(i).into_owned());
     let signs = (0..27).map(|k| [k % 3, k / 3 % 3, k / 9].map(|s| f64::from(s) - 1.0));
     let along = signs.map(|s| edges[0] * s[0] + edges[1] * s[1] + edges[2] * s[2]);
@@ -40,7 +41,7 @@ mod tests {
         CORNERS.map(|[x, y, z]| [0.5 * a * x, 0.5 * b * y, 0.5 * c * z])
     }
 
-    /// Oliver's lengths in closed form: edges along edges, a/cos θ across a crack that is turned by θ.
+    /// Oliver's lengths in closed form: the edge along an edge, a/cos θ for a crack rotated by θ.
     #[test]
     fn a_block_is_as_wide_as_the_way_through_its_centre() {
         let (a, b, c) = (51.0, 12.5, 49.0);
@@ -73,7 +74,7 @@ mod tests {
         assert!(extent(&block(-1.0, 1.0, 1.0), 1.0).is_none());
     }
 
-    /// No direction is outside of the range that is told, of a skewed element either.
+    /// The widths in all directions of a skewed element lie within its reported range.
     #[test]
     fn widths_lie_within_their_range() {
         let mut corners = block(40.0, 12.0, 25.0);
@@ -87,7 +88,7 @@ mod tests {
                 let (t, p) = (f64::from(i) * 0.063, f64::from(j) * 0.063);
                 let n = Vector3::new(p.sin() * t.cos(), p.sin() * t.sin(), p.cos());
                 let width = of.across(&n);
-                // A grid of directions may meet an extreme itself: roundings.
+                // Tolerance: a direction of the grid may coincide with an extreme, up to rounding.
                 assert!(
                     width >= of.widths[0] * (1.0 - 1e-12) && width <= of.widths[1] * (1.0 + 1e-12)
                 );

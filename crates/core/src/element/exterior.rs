@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::hex8::FACES;
 
-/// Faces that no other element of the same body has, as (element, index into [`FACES`]), in the order of the elements.
-/// `body` gives the body of an element.
+/// Faces that belong to only one element of their body, as (element, index into [`FACES`]), in the order of the
+/// elements. `body` gives the body of an element.
 pub fn exterior_faces(elements: &[[u32; 8]], body: impl Fn(usize) -> u32) -> Vec<(u32, u8)> {
     let key = |e: usize, face: u8| {
         let mut corners = corners(&elements[e], face);
@@ -31,7 +31,7 @@ pub fn corners(element: &[u32; 8], face: u8) -> [u32; 4] {
 mod tests {
     use super::*;
 
-    /// Two cubes that share four nodes: in one body the face between them is interior, in two bodies it is not.
+    /// Two cubes that share four nodes. The face between them is interior in one body, and exterior in two bodies.
     #[test]
     fn a_shared_face_is_exterior_only_between_bodies() {
         let elements = [[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 9, 2, 5, 10, 11, 6]];

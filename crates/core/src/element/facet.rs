@@ -1,27 +1,27 @@
-//! Bilinear facets of four nodes: their areas, and how these turn with the nodes.
+//! Area vectors of bilinear four-node facets, and their derivatives by the nodal positions.
 //!
-//! With x = Σ N_b x_b and the tangents x_ξ, x_η, what a pressure of 1 does to node a is minus
+//! With x = Σ N_b x_b and the tangents x_ξ, x_η, a unit pressure exerts the force −A_a on node a, with
 //!
 //! ```text
 //! A_a = ∫ N_a x_ξ × x_η dξ dη
 //! ```
 //!
-//! biquadratic in ξ, η, so that 2×2 Gauss points integrate it exactly, however the facet is warped. Its
+//! The integrand is biquadratic in ξ, η, so that 2×2 Gauss points integrate it exactly, also on a warped facet. Its
 //! derivative (Hibbitt 1979; Simo, Taylor, Wriggers 1991) is
 //!
 //! ```text
 //! ∂A_a/∂x_b = ∫ N_a (N_b,η [x_ξ]× − N_b,ξ [x_η]×) dξ dη,   [v]× w = v × w
 //! ```
 //!
-//! unsymmetric facet by facet; over a closed surface, or one whose rim is held, the sum is symmetric:
-//! the pressure has a potential then.
+//! This matrix is unsymmetric for a single facet. The sum over a closed surface, or over a surface with a fixed
+//! boundary, is symmetric, because the pressure then has a potential.
 
 use crate::element::hexahedron::{cross, norm};
 
 /// Corners in the order of a facet's nodes. `[node][ξη]`
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// Shape functions and their derivatives at a point, and the tangents there.
+/// Shape functions, their derivatives and the tangents at a point.
 struct Point {
     n: [f64; 4],
     dn: [[f64; 2]; 4],
@@ -29,7 +29,7 @@ struct Point {
     tangents: [[f64; 3]; 2],
 }
 
-/// The 2×2 Gauss points, of weight 1.
+/// The 2×2 Gauss points; each has weight 1.
 fn points(x: &[[f64; 3]; 4]) -> impl Iterator<Item = Point> + '_ {
     let g = 1.0 / 3.0_f64.sqrt();
     CORNERS.iter().map(move |corner| {
@@ -42,7 +42,7 @@ fn points(x: &[[f64; 3]; 4]) -> impl Iterator<Item = Point> + '_ {
     })
 }
 
-/// A_a of the nodes of a facet at `x` [mm], counter-clockwise seen from outside: outwards [mm²]. `[node]`
+/// Outward area vectors A_a [mm²] of a facet with nodes at `x` [mm], counter-clockwise seen from outside. `[node]`
 pub fn area_vectors(x: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
     let mut areas = [[0.0; 3]; 4];
     for point in points(x) {
@@ -56,7 +56,7 @@ pub fn area_vectors(x: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
     areas
 }
 
-/// Tributary areas ∫ N_a dA of the nodes of a facet at `x` [mm] [mm²]. `[node]`
+/// Tributary areas ∫ N_a dA [mm²] of the nodes of a facet at `x` [mm]. `[node]`
 pub fn areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
     let mut areas = [0.0; 4];
     for point in points(x) {
@@ -114,7 +114,7 @@ mod tests {
         assert!(areas(&x).iter().all(|a| (a - 6.0).abs() < 1e-14));
     }
 
-    /// Their sum is half the cross product of the diagonals, whatever the warp.
+    /// The area vectors sum to half the cross product of the diagonals, also on a warped facet.
     #[test]
     fn a_warped_facet_has_the_area_vector_of_its_rim() {
         let sum = area_vectors(&WARPED)
@@ -140,7 +140,8 @@ mod tests {
                 let (ahead, behind) = (at(H), at(-H));
                 for a in 0..4 {
                     for i in 0..3 {
-                        // Quadratic in each coordinate: central differences are exact but for rounding.
+                        // The area vectors are quadratic in each coordinate, so that central differences are exact up
+                        // to rounding.
                         let slope = (ahead[a][i] - behind[a][i]) / (2.0 * H);
                         let error = (slope - slopes[a][b][i][j]).abs();
                         assert!(error < 1e-11, "{a} {b} {i} {j}: {slope}");

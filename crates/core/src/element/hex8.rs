@@ -1,8 +1,7 @@
-//! The eight-node brick in its reference configuration (theory/hex8.md, eqs 1 to 5).
+//! The eight-node hexahedron in its reference configuration (theory/hex8.md, eqs 1 to 5).
 //!
-//! Everything that depends on the geometry and the elastic constants alone: strain operators B̃ at
-//! the 2 × 2 × 2 Gauss points, weights, centroid gradients, elastic stiffness. Equal elements share
-//! one [`ElementShape`].
+//! [`ElementShape`] holds all data that depend only on geometry and elastic constants: strain operators B̃ at the 2 ×
+//! 2 × 2 Gauss points, weights, gradients at the centroid, elastic stiffness. Equal elements share one.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
@@ -10,7 +9,7 @@ use super::Formulation;
 use crate::material::{ElasticParameters, elastic_stiffness, hooke};
 use crate::tensor::ByPoint;
 
-/// Parameters (ξ, η, ζ) of an element's nodes: VTK's hexahedron. `[node][ξηζ]`
+/// Parameters (ξ, η, ζ) of the nodes in the order of VTK's hexahedron. `[node][ξηζ]`
 pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
@@ -22,9 +21,9 @@ pub const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// A vector at each node. `[xyz][node]`: the nodes are the lanes of all loops over an element.
+/// A vector at each node. `[xyz][node]`: the innermost index runs over the nodes, so that loops vectorise over them.
 pub type Nodal = [[f64; 8]; 3];
-/// Strain operator of one point: engineering Voigt strains of the 24 displacements.
+/// Strain operator of one point: engineering Voigt strains from the 24 displacements.
 pub type Operator = [Nodal; 6];
 /// Stiffness of 24 displacements, K_ab. `[node a][xyz of a][xyz of b][node b]`
 pub type Stiffness = [[Nodal; 3]; 8];
@@ -39,38 +38,38 @@ pub const FACES: [[usize; 4]; 6] = [
     [3, 0, 4, 7],
 ];
 
-/// An element that cannot be computed.
+/// An element whose geometry is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
-    /// The Jacobian is not positive: turned inside out, collapsed or too distorted.
+    /// The Jacobian is not positive: the element is inverted, collapsed or too distorted.
     #[error("the Jacobian is {determinant:.3e} mm³ at point {point}: the element is inverted")]
     Jacobian {
-        /// Gauss point (8: the centroid).
+        /// Gauss point; 8 is the centroid.
         point: usize,
         /// det J [mm³].
         determinant: f64,
     },
 }
 
-/// Reference geometry of an element and all that follows from it.
+/// Reference geometry of an element and the quantities derived from it.
 #[derive(Clone, Debug)]
 pub struct ElementShape {
     /// X_a − X_c [mm].
     pub relative: Nodal,
     /// Strain operators B̃ [1/mm]. `[gauss point]`
     pub operator: [Operator; 8],
-    /// The same with the points in lanes. `[xyz][node][component][gauss point]`
+    /// The strain operators with the Gauss points innermost. `[xyz][node][component][gauss point]`
     by_point: Box<[[ByPoint; 8]; 3]>,
-    /// det J · w [mm³], or the part of it that [counts](Self::counted). `[gauss point]`
+    /// det J · w [mm³], or the [counted](Self::counted) part of it. `[gauss point]`
     pub weight: [f64; 8],
     /// Gradients of the shape functions at the centroid [1/mm].
     pub gradient: Nodal,
     /// Volume [mm³].
     pub volume: f64,
-    /// Edge of a cube of that volume [mm].
+    /// Edge of a cube with this volume [mm].
     pub size: f64,
     elastic: ElasticParameters,
-    /// Elastic stiffness of each Gauss point's share [N/mm].
+    /// Contribution of each Gauss point to the elastic stiffness [N/mm].
     point_stiffness: Box<[Stiffness]>,
     /// Elastic stiffness [N/mm].
     stiffness: Box<Stiffness>,
@@ -97,7 +96,7 @@ fn jacobian(relative: &[[f64; 3]; 8], by_xi: &[[f64; 3]; 8]) -> Matrix3<f64> {
     j
 }
 
-/// Strain rows of a vector field's gradient: `column(i, g)` is the strain of u_i with gradient g.
+/// Strain of a displacement field with only u_i ≠ 0, whose gradient is `g`.
 fn strain_of(i: usize, g: &Vector3<f64>) -> Vector6<f64> {
     let mut e = Vector6::zeros();
     e[i] = g[i];
@@ -119,10 +118,9 @@ fn strain_of(i: usize, g: &Vector3<f64>) -> Vector6<f64> {
 }
 
 impl ElementShape {
-    /// Prepares the element with these reference corners [mm].
+    /// Precomputes the element with these reference corners [mm].
     ///
-    /// # Errors
-    /// [`ShapeError`] if it is inverted somewhere.
+    /// # Errors [`ShapeError`] if the Jacobian is not positive at a Gauss point or at the centroid.
     #[expect(
         clippy::too_many_lines,
         reason = "the precomputed tables of an element, one after the other"
@@ -164,8 +162,8 @@ impl ElementShape {
                     b[point].set_column(3 * a + i, &strain_of(i, &grad));
                 }
             }
-            // Wilson–Taylor modes 1 − ξ_k², mapped by the centroid Jacobian and scaled by j0/j, so
-            // that they do no work on a constant stress.
+            // Wilson–Taylor modes 1 − ξ_k², mapped by the centroid Jacobian and scaled by j0/j: they do no work under
+            // a constant stress.
             for k in 0..3 {
                 let mut d = Vector3::zeros();
                 d[k] = -2.0 * p[k];
@@ -208,8 +206,8 @@ impl ElementShape {
         })
     }
 
-    /// The same of which only a part counts, as of an element that lies across a plane of symmetry: forces, stiffness
-    /// and energies are that part of its own, strains and sizes are its own.
+    /// The same element counted only in part, such as one that is cut by a plane of symmetry: forces, stiffness and
+    /// energies are multiplied by `part`, strains and sizes are unchanged.
     #[must_use]
     pub fn counted(mut self, part: f64) -> Self {
         self.weight = self.weight.map(|w| part * w);
@@ -224,7 +222,7 @@ impl ElementShape {
         self
     }
 
-    /// Strain at Gauss point `g` of local displacements [mm].
+    /// Strain at Gauss point `g` from local displacements [mm].
     #[inline(always)]
     pub fn strain(&self, g: usize, local: &Nodal) -> Vector6<f64> {
         let mut strain = Vector6::zeros();
@@ -240,7 +238,7 @@ impl ElementShape {
         strain
     }
 
-    /// Strains at the Gauss points of local displacements [mm].
+    /// Strains at the Gauss points from local displacements [mm].
     #[inline(always)]
     pub fn strains(&self, local: &Nodal) -> [Vector6<f64>; 8] {
         let mut strains = [Vector6::zeros(); 8];
@@ -250,7 +248,7 @@ impl ElementShape {
         strains
     }
 
-    /// Strains of local displacements [mm], the Gauss points in lanes.
+    /// Strains from local displacements [mm], with the Gauss points innermost.
     #[inline(always)]
     pub fn strains_by_point(&self, local: &Nodal) -> ByPoint {
         let mut strains = [[0.0; 8]; 6];
@@ -266,7 +264,7 @@ impl ElementShape {
         strains
     }
 
-    /// f̄ += B̃ᵀ σ w of the stress at Gauss point `g` [N].
+    /// f̄ += B̃ᵀ σ w for the stress at Gauss point `g` [N].
     #[inline(always)]
     pub fn add_force(&self, g: usize, stress: &Vector6<f64>, force: &mut Nodal) {
         for (k, row) in self.operator[g].iter().enumerate() {
@@ -279,7 +277,7 @@ impl ElementShape {
         }
     }
 
-    /// f̄ = Σ B̃ᵀ σ w of the stresses at the Gauss points [N].
+    /// f̄ = Σ B̃ᵀ σ w for the stresses at the Gauss points [N].
     #[inline(always)]
     pub fn internal_force(&self, stresses: &[Vector6<f64>; 8]) -> Nodal {
         let mut force = [[0.0; 8]; 3];
@@ -289,13 +287,13 @@ impl ElementShape {
         force
     }
 
-    /// f̄ = K̄ ū of intact elastic points [N].
+    /// f̄ = K̄ ū for an undamaged elastic element [N].
     #[inline(always)]
     pub fn elastic_force(&self, local: &Nodal) -> Nodal {
         let mut force = [[0.0; 8]; 3];
         for (a, rows) in self.stiffness.iter().enumerate() {
             for (i, row) in rows.iter().enumerate() {
-                // K̄ is symmetric: its rows are added up, which keeps the nodes in lanes.
+                // K̄ is symmetric, so that rows can be summed instead of columns. This vectorises over the nodes.
                 let u = local[i][a];
                 for j in 0..3 {
                     for n in 0..8 {
@@ -307,17 +305,17 @@ impl ElementShape {
         force
     }
 
-    /// Stress C₀ : ε of an intact point [MPa].
+    /// Stress C₀ : ε of an undamaged point [MPa].
     pub fn elastic_stress(&self, strain: &Vector6<f64>) -> Vector6<f64> {
         hooke(&self.elastic, strain)
     }
 
-    /// K̄ of intact elastic points [N/mm].
+    /// K̄ of the undamaged elastic element [N/mm].
     pub fn elastic_stiffness(&self) -> &Stiffness {
         &self.stiffness
     }
 
-    /// K̄ = Σ B̃ᵀ D B̃ w of any tangents [N/mm].
+    /// K̄ = Σ B̃ᵀ D B̃ w for given tangents [N/mm].
     #[inline(always)]
     pub fn stiffness(&self, tangents: &[Matrix6<f64>; 8]) -> Stiffness {
         let mut k = ZERO;
@@ -327,10 +325,10 @@ impl ElementShape {
         k
     }
 
-    /// K̄ = Σ s_g B̃ᵀ C₀ B̃ w: elastic points of which a part s is intact [N/mm].
+    /// K̄ = Σ s_g B̃ᵀ C₀ B̃ w for elastic points with the intact parts s_g [N/mm].
     #[inline(always)]
     pub fn scaled_stiffness(&self, intact: &[f64; 8]) -> Stiffness {
-        // Points that are whole are in the element's stiffness already.
+        // Start from the elastic stiffness of the element, which contains all undamaged points.
         let damaged = intact.iter().filter(|&&s| s != 1.0).count();
         let (mut k, whole) = if damaged < 8 {
             (*self.stiffness, 1.0)
@@ -345,7 +343,7 @@ impl ElementShape {
         k
     }
 
-    /// K̄ += B̃ᵀ (D − C₀) B̃ w of a tangent D at Gauss point `g`, which K̄ takes as intact.
+    /// K̄ += B̃ᵀ (D − C₀) B̃ w: replaces the elastic stiffness of Gauss point `g` in K̄ by the tangent D.
     #[inline(always)]
     pub fn replace_tangent(&self, g: usize, tangent: &Matrix6<f64>, k: &mut Stiffness) {
         let change = tangent - elastic_stiffness(&self.elastic);
@@ -360,7 +358,7 @@ pub(super) fn transpose(of_node: &[[f64; 3]; 8]) -> Nodal {
     [0, 1, 2].map(|i| of_node.map(|v| v[i]))
 }
 
-/// Σ over the nodes, in pairs: a fixed order that lanes can follow.
+/// Σ over the nodes in pairs. The fixed order suits vector instructions.
 #[inline(always)]
 pub(super) fn total(v: &[f64; 8]) -> f64 {
     let half = [v[0] + v[4], v[1] + v[5], v[2] + v[6], v[3] + v[7]];
@@ -385,7 +383,7 @@ fn add_scaled(from: &Stiffness, s: f64, k: &mut Stiffness) {
     }
 }
 
-/// K ← ½ (K + Kᵀ): an elastic stiffness is symmetric but for rounding.
+/// K ← ½ (K + Kᵀ) removes the rounding that makes an elastic stiffness unsymmetric.
 fn make_symmetric(k: &mut Stiffness) {
     for a in 0..8 {
         for i in 0..3 {
@@ -434,7 +432,7 @@ fn add_btdb(b: &Operator, d: &Matrix6<f64>, weight: f64, k: &mut Stiffness) {
     }
 }
 
-/// B-bar: the dilatation of every point becomes the element's mean.
+/// B-bar: replaces the dilatation at every point by the mean of the element.
 fn constant_dilatation(b: &mut [SMatrix<f64, 6, 24>; 8], weight: &[f64; 8], volume: f64) {
     for column in 0..24 {
         let dilatation = |b: &SMatrix<f64, 6, 24>| b[(0, column)] + b[(1, column)] + b[(2, column)];
@@ -453,8 +451,8 @@ fn constant_dilatation(b: &mut [SMatrix<f64, 6, 24>; 8], weight: &[f64; 8], volu
     }
 }
 
-/// B̃ = B − G K_αα⁻¹ K_αu: the incompatible modes condensed with the elastic stiffness, once. Exact
-/// while elastic; afterwards as robust as B-bar, where modes iterated locally diverge.
+/// B̃ = B − G K_αα⁻¹ K_αu: condenses the incompatible modes once with the elastic stiffness. This is exact in the
+/// elastic range. Beyond it, it is as robust as B-bar, whereas local iteration of the modes diverges.
 fn condense(
     b: &mut [SMatrix<f64, 6, 24>; 8],
     g: &[SMatrix<f64, 6, 9>; 8],
@@ -468,7 +466,7 @@ fn condense(
         k_aa += gtc * g[p];
         k_au += gtc * b[p];
     }
-    // Positive definite for any element with a positive Jacobian: the modes are independent.
+    // K_αα is positive definite for every element with a positive Jacobian, because the modes are independent.
     if let Some(factor) = k_aa.cholesky() {
         let modes = factor.solve(&k_au);
         for p in 0..8 {

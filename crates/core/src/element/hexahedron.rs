@@ -1,7 +1,6 @@
 //! A hexahedron with its eight corners and six faces.
 
-/// Corners in VTK's order [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four above.
-/// `[corner][xyz]`
+/// Corners in VTK's order [mm]: (−,−,−) (+,−,−) (+,+,−) (−,+,−), then the same four at +z. `[corner][xyz]`
 pub type Corners = [[f64; 3]; 8];
 
 /// A face of a block, named by its outward normal before the block is rotated.
@@ -32,13 +31,13 @@ impl Face {
         ("top", Self::Top),
     ];
 
-    /// Axis of the normal, and whether the normal has the direction of the axis.
+    /// Axis of the normal, and whether the normal points in the positive direction of the axis.
     pub fn side(self) -> (usize, bool) {
         let index = self as usize;
         (index / 2, index % 2 == 1)
     }
 
-    /// Local sides (0 or 1) of its corners along ξ, η, ζ, counter-clockwise seen from outside.
+    /// Local coordinates (0 or 1) of the face's corners along ξ, η, ζ, counter-clockwise seen from outside.
     fn round(self) -> [[usize; 3]; 4] {
         let (axis, high) = self.side();
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -53,19 +52,19 @@ impl Face {
         })
     }
 
-    /// Its corners among those of a hexahedron, counter-clockwise seen from outside.
+    /// Indices of the face's corners among those of a hexahedron, counter-clockwise seen from outside.
     pub fn corners(self) -> [usize; 4] {
         self.round()
             .map(|place| PLACES.iter().position(|p| *p == place).unwrap_or_default())
     }
 
-    /// Its corners on a hexahedron [mm], counter-clockwise seen from outside.
+    /// Positions of the face's corners on a hexahedron [mm], counter-clockwise seen from outside.
     pub fn outline(self, corners: &Corners) -> [[f64; 3]; 4] {
         self.corners().map(|c| corners[c])
     }
 }
 
-/// Local sides (0 or 1) of the corners along ξ, η, ζ, in VTK's order. `[corner][ξηζ]`
+/// Local coordinates (0 or 1) of the corners along ξ, η, ζ, in VTK's order. `[corner][ξηζ]`
 pub(crate) const PLACES: [[usize; 3]; 8] = [
     [0, 0, 0],
     [1, 0, 0],
@@ -93,7 +92,7 @@ pub(crate) const EDGES: [[usize; 2]; 12] = [
     [3, 7],
 ];
 
-/// Least and largest of these numbers. [∞, −∞] if there are none.
+/// Smallest and largest of the numbers; [∞, −∞] if there are none.
 pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
     of.into_iter()
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
@@ -101,8 +100,8 @@ pub(crate) fn range(of: impl IntoIterator<Item = f64>) -> [f64; 2] {
         })
 }
 
-/// Whether the trilinear map of these corners has a positive Jacobian at each of them. At a corner the determinant is
-/// the triple product of its three edges.
+/// Whether the trilinear map of these corners has a positive Jacobian at every corner. There the determinant is the
+/// triple product of the three edges.
 pub(crate) fn is_upright(corners: &Corners) -> bool {
     let at = |place: [usize; 3]| {
         let corner = PLACES.iter().position(|p| *p == place).unwrap_or_default();
@@ -118,7 +117,7 @@ pub(crate) fn is_upright(corners: &Corners) -> bool {
     })
 }
 
-/// Point at the parts 0 to 1 of the edges [mm]: a + t (b − a), exact at both ends.
+/// Point at the fractions `[r, s, t]` (0 to 1) along the edges [mm]. a + t (b − a) is exact at both ends.
 pub(crate) fn point(corners: &Corners, [r, s, t]: [f64; 3]) -> [f64; 3] {
     let between = |a: f64, b: f64, t: f64| if t == 1.0 { b } else { a + t * (b - a) };
     [0, 1, 2].map(|d| {

@@ -1,8 +1,8 @@
-//! Element corotational kinematics (theory/hex8.md, eqs 6 to 10).
+//! Corotational kinematics of an element (theory/hex8.md, eqs 6 to 10).
 //!
-//! R is the rotation of the centroid's deformation gradient F = Σ x_a ⊗ b_a = R U. In the rotated
-//! frame the element sees local displacements ū_a = Rᵀ(x_a − x_c) − (X_a − X_c), small strains and
-//! local forces f̄. With v = Rᵀ x, W = tr(U) 1 − U and δR = R [δω]×,
+//! R is the rotation of the deformation gradient F = Σ x_a ⊗ b_a = R U at the centroid. In the rotated frame the
+//! element has local displacements ū_a = Rᵀ(x_a − x_c) − (X_a − X_c), small strains and local forces f̄. With v = Rᵀ
+//! x, W = tr(U) 1 − U and δR = R [δω]×,
 //!
 //! ```text
 //! W δω = Σ b_a × δv_a                    (skew part of RᵀδF = [δω]× U + δU)
@@ -10,9 +10,9 @@
 //! f_a  = R (f̄_a − p × b_a),   W p = m = Σ x̄_a × f̄_a
 //! ```
 //!
-//! so f is the exact derivative of the element's energy and balances moments in the deformed
-//! configuration. Its derivative is taken exactly too, with the turning of the frame (δω), of the
-//! moment (δm) and of W (δU): `super::tangent`.
+//! f is the exact derivative of the element's energy and satisfies moment equilibrium in the deformed configuration.
+//! Its derivative in `super::tangent` is exact as well: it includes the rotation of the frame (δω) and the changes of
+//! the moment (δm) and of W (δU).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -42,7 +42,7 @@ fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     const LAST: f64 = 1e-8;
     let mut r = *f;
     for _ in 0..50 {
-        // R⁻ᵀ: the cofactors over the determinant.
+        // R⁻ᵀ is the cofactor matrix divided by the determinant.
         let x = Vector3::new(r.m11, r.m21, r.m31);
         let y = Vector3::new(r.m12, r.m22, r.m32);
         let z = Vector3::new(r.m13, r.m23, r.m33);
@@ -61,7 +61,8 @@ fn rotation_of(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     None
 }
 
-/// Green's strain ½ (FᵀF − 1) of the centroid of an element with corners `x` [mm], whatever its rotation.
+/// Green–Lagrange strain ½ (FᵀF − 1) at the centroid of an element with corners `x` [mm], independent of its
+/// rotation.
 #[inline(always)]
 pub fn green_strain(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Matrix3<f64> {
     let f = products(&transpose(x), &shape.gradient);
@@ -69,10 +70,10 @@ pub fn green_strain(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Matrix3<f64> {
 }
 
 impl Corotated {
-    /// Frame of an element with current corner positions `x` [mm]. `[node][xyz]`
+    /// Rotated frame of an element with current corner positions `x` [mm]. `[node][xyz]`
     ///
-    /// # Errors
-    /// [`LocalFailure::Inverted`] if the element has turned inside out.
+    /// # Errors [`LocalFailure::Inverted`] if the element is inverted or nearly collapsed,
+    /// [`LocalFailure::StrainNotFinite`] if the positions are not finite.
     #[inline(always)]
     pub fn new(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Result<Self, LocalFailure> {
         let mut centred = [[0.0; 8]; 3];
@@ -90,7 +91,7 @@ impl Corotated {
         if !determinant.is_finite() {
             return Err(LocalFailure::StrainNotFinite);
         }
-        // Squeezed to a hundredth the rotation still exists, the small strain does not.
+        // Below a volume ratio of 1/100 the rotation still exists, but the strains are no longer small.
         if determinant <= 1e-2 {
             return Err(LocalFailure::Inverted { determinant });
         }
@@ -129,7 +130,7 @@ impl Corotated {
             )
     }
 
-    /// Global nodal forces of local ones [N]. `[node][xyz]`
+    /// Global nodal forces from local forces [N]. `[node][xyz]`
     #[inline(always)]
     pub fn force(&self, shape: &ElementShape, local_force: &Nodal) -> [[f64; 3]; 8] {
         let p = self.moment(local_force);
@@ -149,7 +150,7 @@ impl Corotated {
         force
     }
 
-    /// Global stiffness `[a][b][i][j]` [N/mm] of a local one, with all geometric terms.
+    /// Global stiffness `[a][b][i][j]` [N/mm] from a local stiffness, with all geometric terms.
     #[inline(always)]
     pub fn stiffness(
         &self,
@@ -161,7 +162,7 @@ impl Corotated {
         tangent::unsymmetric(self, shape, local, local_force, cell);
     }
 
-    /// [`Self::stiffness`] of a symmetric one, with one factor for two.
+    /// [`Self::stiffness`] for a symmetric local stiffness, which needs one factor V instead of two.
     #[inline(always)]
     pub fn symmetric_stiffness(
         &self,

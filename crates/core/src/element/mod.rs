@@ -1,4 +1,4 @@
-//! The hex8: strains, forces and stiffness in the rotated frame, and the frame.
+//! The eight-node hexahedron: strains, forces and stiffness in a corotated frame, and the kinematics of the frame.
 
 pub mod extent;
 pub mod exterior;

@@ -1,8 +1,7 @@
-//! Stiffness of the rotated element in global directions, exact.
+//! Exact stiffness of the corotated element in global directions.
 //!
-//! The derivative of f_a = R (f̄_a − p × b_a) (see [`super::kinematics`]) is, in the rotated frame,
-//! the local stiffness and two terms of rank three. With X_a = [x̄_a]×, B_b = [b_b]×, S = W⁻¹, and
-//! δω = S Σ B_b δv_b,
+//! The derivative of f_a = R (f̄_a − p × b_a) (see [`super::kinematics`]) in the rotated frame is the local stiffness
+//! plus two terms of rank three. With X_a = [x̄_a]×, B_b = [b_b]×, S = W⁻¹, and δω = S Σ B_b δv_b,
 //!
 //! ```text
 //! K_ab ← K̄_ab + V_a B_b − B_a U_bᵀ
@@ -11,19 +10,19 @@
 //! T = S M S − [p]× S,   M = Σ H_b X_b − Σ [f̄_a]× X_a + [U p]×
 //! ```
 //!
-//! V_a B_b collects what the turning of the frame does to the forces, B_a U_bᵀ what displacements do
-//! to p = W⁻¹ m; T, what the turning does to p, is shared between both. Where K̄ is symmetric
-//! H_bᵀ = −K̄X_b, so that U = V and the sum is symmetric.
+//! V_a B_b is the change of the forces with the rotation of the frame. B_a U_bᵀ is the change of p = W⁻¹ m with the
+//! displacements. T, the change of p with the rotation, is divided equally between both. If K̄ is symmetric, H_bᵀ =
+//! −K̄X_b, so that U = V and the sum is symmetric.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::hex8::{ElementShape, Nodal, Stiffness};
 use super::kinematics::{Corotated, dot, products};
 
-/// A 3 × 3 matrix of each node. `[row][column][node]`
+/// A 3 × 3 matrix for each node. `[row][column][node]`
 type Matrices = [Nodal; 3];
 
-/// Cell `[a][b][i][j]` of a symmetric local stiffness.
+/// Element matrix `[a][b][i][j]` from a symmetric local stiffness.
 #[inline(always)]
 pub(super) fn symmetric(
     frame: &Corotated,
@@ -47,7 +46,7 @@ pub(super) fn symmetric(
     write(&frame.rotation, shape, k, &v, &v, cell);
 }
 
-/// Cell `[a][b][i][j]` of any local stiffness.
+/// Element matrix `[a][b][i][j]` from any local stiffness.
 #[inline(always)]
 pub(super) fn unsymmetric(
     frame: &Corotated,
@@ -94,7 +93,7 @@ fn turning_moments(x: &Nodal, k: &Stiffness) -> Matrices {
     h
 }
 
-/// T.
+/// The matrix T of the module description.
 #[inline(always)]
 fn shared(frame: &Corotated, force: &Nodal, p: &Vector3<f64>, h: &Matrices) -> Matrix3<f64> {
     let x = &frame.position;
@@ -112,7 +111,7 @@ fn shared(frame: &Corotated, force: &Nodal, p: &Vector3<f64>, h: &Matrices) -> M
     frame.spin * m * frame.spin - p.cross_matrix() * frame.spin
 }
 
-/// (K̄X_a − [f̄_a]× + [p]× B_a) S + ½ B_a T at all nodes.
+/// (K̄X_a − [f̄_a]× + [p]× B_a) S + ½ B_a T for all nodes.
 #[inline(always)]
 fn factor(
     frame: &Corotated,
@@ -149,7 +148,7 @@ fn factor(
     v
 }
 
-/// R (K̄_ab + V_a B_b − B_a U_bᵀ) Rᵀ into the cell.
+/// Writes R (K̄_ab + V_a B_b − B_a U_bᵀ) Rᵀ into the element matrix.
 #[inline(always)]
 fn write(
     r: &Matrix3<f64>,

@@ -1,5 +1,5 @@
-//! The width of the band in which softening localises (theory/crack-band.md, eqs 1 and 2): one length for an element, or a length of
-//! its own for each direction a crack may face.
+//! Width of the band in which softening localises (theory/crack-band.md, eqs 1 and 2): one length per element, or a
+//! length for each crack direction.
 //!
 //! ```text
 //! volume:     l = V^(1/3)
@@ -7,9 +7,9 @@
 //!             edges, a/cos θ for a crack turned by θ out of its first face)
 //! ```
 //!
-//! With `projected` a material has a ladder of curves, each for widths within a four-hundredth, and a point takes the
-//! rung of its own width: that across the first principal direction in tension, across the last one in
-//! compression, as they are when it begins to soften, and held from there on.
+//! With `projected` a material has a family of curves for widths in steps of 1/200, and each point uses the curve of
+//! its own width. This is the width across the first principal direction in tension and across the last one in
+//! compression. It is fixed when the point begins to soften.
 
 use std::sync::Arc;
 
@@ -18,14 +18,14 @@ use nalgebra::Vector3;
 use super::parameters::DamagePlasticityParameters;
 use super::uniaxial::{Branch, Curve, TableError, TableWarning, snap_back};
 
-/// How far an element reaches.
+/// Size of an element, as a function of the direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// V^(1/3) [mm].
     pub l_eq: f64,
-    /// Gradients of the shape functions at the centroid [1/mm]; zero for the same length in all directions.
+    /// Gradients of the shape functions at the centroid [1/mm]; zero if the length is the same in all directions.
     pub gradient: [Vector3<f64>; 8],
-    /// Least and largest width across any direction [mm].
+    /// Smallest and largest width over all directions [mm].
     pub widths: [f64; 2],
 }
 
@@ -39,7 +39,7 @@ impl Extent {
         }
     }
 
-    /// Least and largest width of several [mm].
+    /// Smallest and largest width of several extents [mm].
     pub fn range<'a>(of: impl Iterator<Item = &'a Self>) -> [f64; 2] {
         of.fold([f64::INFINITY, 0.0], |[low, high], extent| {
             [low.min(extent.widths[0]), high.max(extent.widths[1])]
@@ -57,16 +57,16 @@ impl Extent {
 #[derive(Clone, Debug)]
 pub(super) struct BandWidths {
     curves: Vec<Curve>,
-    /// Logarithm of the least width, and rungs to each unit of the logarithm.
+    /// Logarithm of the smallest width, and the number of curves per unit of the logarithm.
     lowest: f64,
     rungs: f64,
-    /// κ at the peak stress, up to which all curves are one.
+    /// κ at the peak stress. Up to this value all curves coincide.
     pub onset: f64,
 }
 
-/// Ratio of widths from a rung to the next: energies within a four-hundredth.
+/// Ratio of successive widths; the energies are exact within 1/400.
 const RATIO: f64 = 1.005;
-/// A band wider than the limit of snap-back over this counts as wide as that (theory/crack-band.md, eqs 1 and 2).
+/// Factor below the snap-back limit to which wider bands are reduced (theory/crack-band.md, eqs 1 and 2).
 const WITHIN: f64 = 1.01;
 
 impl BandWidths {
@@ -79,15 +79,15 @@ impl BandWidths {
         }
     }
 
-    /// The rung for a band of `width` [mm].
+    /// Index of the curve for a band of `width` [mm].
     #[inline(always)]
     pub fn rung(&self, width: f64) -> usize {
         let at = ((width.ln() - self.lowest) * self.rungs).round();
-        // Not a number for a width of none: the first.
+        // A width of 0 gives NaN, which selects the first curve.
         (at.max(0.0) as usize).min(self.curves.len() - 1)
     }
 
-    /// Whether the rung is a question at all.
+    /// Whether there is more than one curve.
     #[inline(always)]
     pub fn has_rungs(&self) -> bool {
         self.curves.len() > 1
@@ -99,7 +99,7 @@ impl BandWidths {
     }
 }
 
-/// The curves of a material, which its laws share.
+/// The softening curves of a material, shared by its laws.
 #[derive(Clone, Debug)]
 pub struct Curves {
     pub(super) tension: BandWidths,
@@ -107,11 +107,10 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// Of elements of one equivalent length [mm]; none, or none in the parameters' `reference_length`: tables as
-    /// given.
+    /// Curves for elements of the equivalent length `l_eq` [mm]. Without a length, or without `reference_length` in
+    /// the parameters, the tables are used as given.
     ///
-    /// # Errors
-    /// [`TableError`].
+    /// # Errors [`TableError`].
     pub fn of_length(
         p: &DamagePlasticityParameters,
         l_eq: Option<f64>,
@@ -128,9 +127,9 @@ impl Curves {
         Ok((Arc::new(curves), warnings))
     }
 
-    /// Of bands from the least to the largest of `widths` [mm]. Where the softening of a wide band would snap
-    /// back, the widest that does not is taken, with a warning. Without elements to have widths, or a
-    /// `reference_length`: tables as given.
+    /// Curves for bands between the smallest and the largest of `widths` [mm]. If the softening of a wide band would
+    /// snap back, the widest admissible curve is used, with a warning. Without widths, or without `reference_length`,
+    /// the tables are used as given.
     ///
     /// # Errors
     /// [`TableError`].

@@ -1,5 +1,5 @@
-//! The trait for the laws that the library brings. Within an element they are called by [`Material`](super::Material)
-//! without it, so that their steps are inlined.
+//! Implementation of the trait for the built-in laws. Elements call these laws through [`Material`](super::Material)
+//! without the trait, so that their steps can be inlined.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -67,7 +67,8 @@ impl SolidLaw for DamagePlasticity {
         self.bounded(tangent, intact)
     }
 
-    /// The yield surface is homogeneous of degree one about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory/damage-plasticity.md, eq. 2).
+    /// The yield surface is homogeneous of degree one about σ̄_c0: (F + σ̄_c0)/σ̄_c0 (theory/damage-plasticity.md,
+    /// eq. 2).
     fn reached(&self, stress: &Vector6<f64>) -> Option<f64> {
         let at = |stress: &Vector6<f64>| self.yield_function(stress, 0.0, 0.0);
         Some(1.0 - at(stress) / at(&Vector6::zeros()))

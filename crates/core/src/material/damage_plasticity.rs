@@ -1,5 +1,5 @@
-//! Concrete damaged plasticity (theory/damage-plasticity.md and theory/return-map.md): Lubliner's yield function in effective stress, a
-//! hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
+//! Concrete damaged plasticity (theory/damage-plasticity.md and theory/return-map.md): Lubliner's yield function in
+//! effective stress, a hyperbolic Drucker–Prager potential, one scalar damage with stiffness recovery, and
 //! Duvaut–Lions viscosity.
 
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::uniaxial::{Curve, TableError, TableWarning};
 use super::{Wanted, hooke};
 use crate::tensor;
 
-/// The law in elements of one size.
+/// The law for elements of one size.
 #[derive(Clone, Debug)]
 pub struct DamagePlasticity {
     pub(super) elastic: ElasticParameters,
@@ -24,34 +24,34 @@ pub struct DamagePlasticity {
     pub(super) shear: f64,
     /// Bulk modulus K [MPa].
     pub(super) bulk: f64,
-    /// α of the yield function (A.2).
+    /// α of the yield function (theory/damage-plasticity.md, eq. 3).
     pub(super) alpha: f64,
-    /// γ of the yield function (A.2).
+    /// γ of the yield function (theory/damage-plasticity.md, eq. 3).
     pub(super) gamma: f64,
-    /// T = tan ψ (A.3).
+    /// T = tan ψ (theory/damage-plasticity.md, eq. 6).
     pub(super) dilation: f64,
-    /// a = ε σ_t0 T [MPa] (A.3).
+    /// a = ε σ_t0 T [MPa] (theory/damage-plasticity.md, eq. 6).
     pub(super) a: f64,
     pub(super) curves: Arc<Curves>,
     extent: Extent,
-    /// F before anything has happened.
+    /// F at the initial state.
     pub(super) first_yield: FirstYield,
     pub(super) tension_recovery: f64,
     pub(super) compression_recovery: f64,
     viscosity: f64,
-    /// Fastest rise of damage [1/s].
+    /// Largest rate of damage [1/s].
     damage_rate: f64,
-    /// Viscosity of the material itself, which a step may exceed [s].
+    /// Viscosity of the material [s]; that of a step may be larger.
     own_viscosity: f64,
 }
 
-/// Yield function above which a step is plastic, over σ̄_c (theory/return-map.md, Algorithm, step 1).
+/// A step is plastic if the yield function exceeds this fraction of σ̄_c (theory/return-map.md, Algorithm, step 1).
 const YIELD: f64 = 1e-10;
 impl DamagePlasticity {
-    /// Fits the parameters to elements of equivalent length `l_eq` [mm]; none, or none in the
-    /// parameters' `reference_length`: tables as given.
+    /// The law for elements of the equivalent length `l_eq` [mm]. Without a length, or without `reference_length` in
+    /// the parameters, the tables are used as given.
     ///
-    /// # Errors
+    /// # Errors [`TableError`].
     /// [`TableError`].
     pub fn new(
         parameters: &DamagePlasticityParameters,
@@ -62,7 +62,7 @@ impl DamagePlasticity {
         Ok((Self::with(parameters, curves, extent), warnings))
     }
 
-    /// With curves at hand, in an element that reaches so far.
+    /// The law with given curves for an element with this extent.
     pub fn with(
         parameters: &DamagePlasticityParameters,
         curves: Arc<Curves>,
@@ -98,23 +98,23 @@ impl DamagePlasticity {
         }
     }
 
-    /// Takes the larger of its own viscosity and that of a step [s] from here on.
+    /// Sets the viscosity to the larger of the material's and `viscosity` [s], and limits the rate of damage.
     pub fn stabilise(&mut self, viscosity: f64, damage_rate: f64) {
         self.viscosity = self.own_viscosity.max(viscosity);
         self.damage_rate = damage_rate;
     }
 
-    /// Its elastic parameters.
+    /// Elastic parameters.
     pub fn elastic(&self) -> &ElasticParameters {
         &self.elastic
     }
 
-    /// Tension curve; of several bands that of the narrowest.
+    /// Tension curve; the one of the narrowest band if there are several.
     pub fn tension(&self) -> &Curve {
         self.curves.tension.curve(0)
     }
 
-    /// Compression curve; of several bands that of the narrowest.
+    /// Compression curve; the one of the narrowest band if there are several.
     pub fn compression(&self) -> &Curve {
         self.curves.compression.curve(0)
     }
@@ -124,10 +124,9 @@ impl DamagePlasticity {
         self.point(&invariants(effective, kappa_t, kappa_c), 0.0).f
     }
 
-    /// One implicit step of `dt` [s] to the total strain.
+    /// One implicit step of duration `dt` [s] to the total strain.
     ///
-    /// # Errors
-    /// [`LocalFailure`] for a strain that is not finite, or a return map without a root.
+    /// # Errors [`LocalFailure`] if the strain is not finite or the return map finds no root.
     pub fn update(
         &self,
         strain: &Vector6<f64>,
@@ -140,7 +139,7 @@ impl DamagePlasticity {
         } else {
             Wanted::Nowhere
         };
-        // Compiled for every vector unit, as elements are, in which the step is inlined.
+        // Compile for every vector unit, as is done for elements, in which the step is inlined.
         pulp::Arch::new().dispatch(OneStep {
             law: self,
             strain,
@@ -150,7 +149,7 @@ impl DamagePlasticity {
         })
     }
 
-    /// [`Self::update`], with the tangent where it is wanted.
+    /// [`Self::update`], with the tangent only where it is wanted.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,
@@ -188,7 +187,7 @@ impl DamagePlasticity {
                 .max(old.compressive_damage),
             ..*old
         };
-        // A.3: ε_p grows by λN = (3/2) φ s + (λT/3) 1; shear components doubled.
+        // ε_p grows by λN = (3/2) φ s + (λT/3) 1 (theory/return-map.md, eq. 4); shear components are doubled.
         if inviscid.is_plastic() {
             let (phi, volume) = (
                 1.5 * inviscid.point.phi,
@@ -199,13 +198,13 @@ impl DamagePlasticity {
                 history.plastic_strain[3 + i] += 2.0 * phi * inviscid.deviator[3 + i];
             }
         }
-        // Theory A.7: backward Euler of Duvaut–Lions, θ = Δt/(μ+Δt).
+        // Duvaut–Lions viscosity by backward Euler, θ = Δt/(μ+Δt) (theory/damage-plasticity.md, eq. 13).
         let mut theta = if self.viscosity > 0.0 {
             dt / (self.viscosity + dt)
         } else {
             1.0
         };
-        // Damage that would rise faster than its rate allows is held back, and plastic strain with it.
+        // If damage would exceed its largest rate, damage and plastic strain are both delayed.
         let (rise, most) = (damage - old.viscous_damage, self.damage_rate * dt);
         let held_back = rise > most && most < theta * rise;
         if held_back {
@@ -217,8 +216,7 @@ impl DamagePlasticity {
         history.viscous_strain_step = history.viscous_strain - old.viscous_strain;
         history.viscous_damage_step = history.viscous_damage - old.viscous_damage;
         if !inviscid.is_plastic() && self.viscosity == 0.0 && theta == 1.0 {
-            // A change of r in an elastic step, or the last of a viscosity that ended, is no rate
-            // to go on with.
+            // A change of r in an elastic step, or the last change after a viscosity ended, must not be extrapolated.
             history.viscous_strain_step = Vector6::zeros();
             history.viscous_damage_step = 0.0;
         }
@@ -230,7 +228,7 @@ impl DamagePlasticity {
         let tangent = if !want_tangent {
             Matrix6::zeros()
         } else if held_back {
-            // However far the strain goes, damage rises by as much.
+            // The increment of damage is fixed by its rate, so that it has no derivative by the strain.
             self.secant(intact)
         } else {
             self.tangent(&inviscid, theta, intact, &effective)
@@ -243,7 +241,7 @@ impl DamagePlasticity {
         })
     }
 
-    /// Stiffness of a point with this intact part: (1−d) C₀ [MPa].
+    /// Stiffness of a point with the intact part `intact`: (1−d) C₀ [MPa].
     fn secant(&self, intact: f64) -> Matrix6<f64> {
         let mut secant = Matrix6::zeros();
         for i in 0..6 {
@@ -270,7 +268,7 @@ impl DamagePlasticity {
         )
     }
 
-    /// The inviscid step from a trial stress; principal directions only where a tangent is wanted.
+    /// The inviscid step from a trial stress. Principal directions are computed only if a tangent is wanted.
     #[inline(always)]
     fn inviscid(
         &self,
@@ -296,8 +294,8 @@ impl DamagePlasticity {
         }
         let tension = self.curves.tension.curve(trial.rungs[0]).at(kappa_t);
         let compression = self.curves.compression.curve(trial.rungs[1]).at(kappa_c);
-        // Without damage to recover r has no part in the stress, and a bound of F will do that
-        // needs no principal values: the largest is at most σ_m + (2/3) q.
+        // Without damage r does not affect the stress, and a bound of F suffices. The bound σ_max ≤ σ_m + (2/3) q
+        // needs no principal values.
         let largest = (mean + 2.0 / 3.0 * q).max(0.0);
         let bound = self.yield_value(q, mean, largest, &tension, &compression);
         let recovering = self.compression_recovery * tension.damage != 0.0
@@ -315,12 +313,12 @@ impl DamagePlasticity {
         let principal = tensor::Principal::of(&deviator);
         trial.s = principal.values();
         let mut point = self.point(&trial, 0.0);
-        // Not finite, it has no root either.
+        // A value that is not finite has no root either.
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
             if self.seeks_bands(old) {
                 bands = self.bands(&principal.directions(), old);
                 trial.rungs = self.rungs(bands);
-                // The same stress, but another slope from here.
+                // The stress is unchanged, but the curve differs from here on.
                 point = self.point(&trial, 0.0);
             }
             point = self.solve(&trial, &point)?;
@@ -338,13 +336,13 @@ impl DamagePlasticity {
         Ok(inviscid)
     }
 
-    /// Whether bands have widths of their own.
+    /// Whether the bands have individual widths.
     #[inline(always)]
     fn has_bands(&self) -> bool {
         self.curves.tension.has_rungs() || self.curves.compression.has_rungs()
     }
 
-    /// Whether a point that yields has a band to choose: none is held in one of its branches.
+    /// Whether the width of a band of this point, should it yield, is still open in one of the branches.
     #[inline(always)]
     fn seeks_bands(&self, old: &MaterialHistory) -> bool {
         let held =
@@ -352,7 +350,7 @@ impl DamagePlasticity {
         self.has_bands() && !held
     }
 
-    /// Rungs for bands of these widths [mm].
+    /// Indices of the curves for bands of these widths [mm].
     #[inline(always)]
     fn rungs(&self, bands: [f64; 2]) -> [usize; 2] {
         [
@@ -361,9 +359,9 @@ impl DamagePlasticity {
         ]
     }
 
-    /// Widths of the bands in which a point that yields will crack and be crushed [mm]: across the principal
-    /// directions of the step (which are those of its trial stress), held once it softens (theory/crack-band.md, Decisions, "Direction"). The
-    /// tangent of the step in which it begins to takes them as given.
+    /// Widths of the crack band and of the crush band of a point that yields [mm], across the principal directions of
+    /// the trial stress, which the step preserves. They are fixed once the point softens (theory/crack-band.md,
+    /// Decisions, "Direction"). The tangent of that step treats them as constant.
     fn bands(&self, directions: &[Vector3<f64>; 3], old: &MaterialHistory) -> [f64; 2] {
         let band = |of: &BandWidths, kappa: f64, held: f64, n: &Vector3<f64>| {
             if kappa > of.onset {
@@ -388,7 +386,7 @@ impl DamagePlasticity {
         ]
     }
 
-    /// An elastic step that changes no history: that of most points of a wall.
+    /// An elastic step that does not change the history, as in most points of a wall.
     #[inline(always)]
     fn at_rest(
         &self,
@@ -433,8 +431,8 @@ impl DamagePlasticity {
         (factors, 1.0 - factors[0] * factors[1])
     }
 
-    /// Energies of the step. With work by the trapezoidal rule the dissipation is
-    /// ½(σ_n + σ_{n+1}):Δε_v + ½ (C₀:e_n):e_{n+1} Δd_v to the last bit.
+    /// Energies of the step. With work by the trapezoidal rule the dissipation is exactly ½(σ_n + σ_{n+1}):Δε_v + ½
+    /// (C₀:e_n):e_{n+1} Δd_v.
     #[inline(always)]
     fn energies(
         &self,
@@ -451,7 +449,7 @@ impl DamagePlasticity {
         let damage = 0.5 * effective_old.dot(elastic_strain) * d_damage;
         let mut viscous = 0.0;
         if self.viscosity > 0.0 || new.viscous_damage < new.damage {
-            // Work on the overstress, stress and energy release beyond the inviscid state.
+            // Work on the overstress: stress and energy release in excess of the inviscid state.
             let relaxed_effective = inviscid.effective();
             let relaxed = relaxed_effective * (1.0 - new.damage);
             let release = |s: &Vector6<f64>| {
@@ -489,22 +487,22 @@ impl pulp::NullaryFnOnce for OneStep<'_> {
     }
 }
 
-/// Whether an elastic step to this damage leaves the history as it is: no recovery, and nothing
-/// that viscosity still holds back.
+/// Whether an elastic step to this damage leaves the history unchanged: no stiffness recovery, and viscous and
+/// inviscid variables are equal.
 #[inline(always)]
 fn rests(old: &MaterialHistory, damage: f64) -> bool {
     damage == old.damage && damage == old.viscous_damage && old.viscous_strain == old.plastic_strain
 }
 
-/// The inviscid end of a step.
+/// The inviscid state at the end of a step.
 pub(super) struct Inviscid {
     pub(super) trial: TrialStress,
     pub(super) point: Point,
-    /// Of the trial stress.
+    /// Deviator of the trial stress.
     pub(super) deviator: Vector6<f64>,
-    /// Principal directions; none where no derivative needs them.
+    /// Principal directions; `None` if no derivative needs them.
     pub(super) directions: Option<[Vector3<f64>; 3]>,
-    /// Widths of the bands in which it cracks and is crushed [mm].
+    /// Widths of its crack band and its crush band [mm].
     bands: [f64; 2],
 }
 
@@ -514,7 +512,7 @@ impl Inviscid {
         self.point.lambda > 0.0
     }
 
-    /// Whether its tangent is wanted.
+    /// Whether the tangent of this step is wanted.
     #[inline(always)]
     fn is_wanted(&self, wanted: Wanted) -> bool {
         match wanted {
@@ -531,7 +529,7 @@ impl Inviscid {
     }
 }
 
-/// Invariants of a stress taken as trial state.
+/// Invariants of a stress as a trial state.
 fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress {
     let mean = tensor::mean(stress);
     let deviator = stress - tensor::UNIT * mean;

@@ -1,4 +1,4 @@
-//! Smooth hyperbolic Drucker–Prager plasticity with softening (theory/drucker-prager.md): for stone and soil.
+//! Smooth hyperbolic Drucker–Prager plasticity with softening for stone and soil (theory/drucker-prager.md).
 //!
 //! ```text
 //! F = √(q² + a²y²) + η σ_m − k y                                                                   (1)
@@ -17,11 +17,12 @@ use super::uniaxial::{Branch, TableError};
 use super::{Wanted, elastic_stiffness};
 use crate::tensor::{self, ByPoint};
 
-/// Strength that is left at the end of softening, over the first: keeps the surface smooth and the point stiff enough.
+/// Residual strength divided by the initial strength. It keeps the surface smooth and the point sufficiently stiff.
 pub const RESIDUAL: f64 = 1e-3;
-/// Yield function above which a step is plastic, over k: rounding of stresses some hundred times the strength.
+/// A step is plastic if the yield function exceeds this fraction of k: rounding of stresses some hundred times the
+/// strength.
 const YIELD: f64 = 1e-10;
-/// Bisections and steps of Newton of either loop: sixty halvings exhaust the digits, some ten steps are usual.
+/// Most Newton steps or bisections of either loop. Sixty bisections exhaust the precision; some ten steps are usual.
 const MOST_STEPS: usize = 100;
 
 pub(super) const OUTPUTS: [LawOutput; 2] = [
@@ -29,15 +30,15 @@ pub(super) const OUTPUTS: [LawOutput; 2] = [
     LawOutput::new("kappa_c", "1", Slot::KappaC),
 ];
 
-/// The law in elements of one size.
+/// The law for elements of one size.
 #[derive(Clone, Debug)]
 pub struct DruckerPrager {
     elastic: ElasticParameters,
     shear: f64,
     bulk: f64,
-    /// η: slope of the surface over the mean stress [-].
+    /// η: slope of the yield surface over the mean stress [-].
     friction: f64,
-    /// η̄: slope of the potential [-].
+    /// η̄: slope of the flow potential over the mean stress [-].
     dilation: f64,
     /// k [MPa].
     strength: f64,
@@ -57,12 +58,12 @@ struct Trial {
     softening: f64,
 }
 
-/// State on the surface of a given softening.
+/// State on the yield surface at a given softening.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     /// Plastic multiplier λ [-].
     lambda: f64,
-    /// q over that of the trial stress [-].
+    /// q divided by q of the trial stress [-].
     ratio: f64,
     q: f64,
     mean: f64,
@@ -73,7 +74,7 @@ struct Point {
     /// dω/dλ [-] and its derivatives by q, σ_m and ω.
     rate: f64,
     rate_slope: [f64; 3],
-    /// Part of the plastic work that is of tension [-].
+    /// Fraction of the plastic work that counts as tension [-].
     weight: f64,
 }
 
@@ -89,14 +90,14 @@ impl DruckerPragerParameters {
         2.0 * self.cohesion * phi.cos() / (1.0 - phi.sin())
     }
 
-    /// Tensile strength of the sharp cone through f_c, f_c (3 − η)/(3 + η) [MPa]: that of the law is below it.
+    /// Tensile strength of the sharp cone through f_c, f_c (3 − η)/(3 + η) [MPa], an upper bound of that of the law.
     pub fn largest_tensile_strength(&self) -> f64 {
         let eta = slope(self.friction_angle);
         self.compressive_strength() * (3.0 - eta) / (3.0 + eta)
     }
 
-    /// Largest equivalent lengths in which the softening in tension and in compression does not snap back, E 𝒢/f²
-    /// [mm]; infinite without softening.
+    /// Largest equivalent lengths for which softening in tension and in compression does not snap back, E 𝒢/f² [mm];
+    /// infinite without softening.
     pub fn longest(&self) -> [f64; 2] {
         let limit = |energy: Option<f64>, f: f64| {
             energy.map_or(f64::INFINITY, |energy| self.elastic.E * energy / (f * f))
@@ -109,11 +110,10 @@ impl DruckerPragerParameters {
 }
 
 impl DruckerPrager {
-    /// Fits the parameters to elements of equivalent length `l_eq` [mm]; none: the parameters' `reference_length`,
-    /// and if there is none a law without softening.
+    /// The law for elements of the equivalent length `l_eq` [mm]. `None` uses the `reference_length` of the
+    /// parameters; if that is missing, too, there is no softening.
     ///
-    /// # Errors
-    /// [`TableError::TooBrittle`] if the softening would snap back in an element so large.
+    /// # Errors [`TableError::TooBrittle`] if the softening would snap back in an element of this size.
     pub fn new(p: &DruckerPragerParameters, l_eq: Option<f64>) -> Result<Self, TableError> {
         let eta = slope(p.friction_angle);
         let (f_t, f_c) = (p.tensile_strength, p.compressive_strength());
@@ -160,7 +160,7 @@ impl DruckerPrager {
         self.root(q, y) + self.friction * mean - self.strength * y
     }
 
-    /// Strength that is left over the first, y [-].
+    /// Remaining strength divided by the initial strength, y [-].
     pub fn strength_left(&self, history: &MaterialHistory) -> f64 {
         left(self.softening(history))[0]
     }
@@ -176,7 +176,7 @@ impl DruckerPrager {
         (q * q + a * a).sqrt()
     }
 
-    /// State at μ = 3Gλ/√(q² + a²y²) and softening ω, and F there.
+    /// State at μ = 3Gλ/√(q² + a²y²) for the remaining strength `left`, and F there.
     fn at(&self, trial: &Trial, mu: f64, left: [f64; 2]) -> (f64, f64, f64, f64) {
         let q = trial.q / (1.0 + mu);
         let root = self.root(q, left[0]);
@@ -186,7 +186,7 @@ impl DruckerPrager {
         (q, mean, lambda, f)
     }
 
-    /// Root μ of F at a softening whose y is given: F falls from the trial state on, without end.
+    /// Root μ of F at given y. F decreases without bound from the trial state.
     fn on_surface(&self, trial: &Trial, left: [f64; 2]) -> Result<f64, LocalFailure> {
         let (three, y) = (3.0 * self.shear, left[0]);
         let exact = self.exact(trial, y);
@@ -224,19 +224,19 @@ impl DruckerPrager {
         Err(LocalFailure::ReturnMap { residual: f })
     }
 
-    /// F that rounding leaves [MPa].
+    /// Tolerance of F from rounding [MPa].
     fn exact(&self, trial: &Trial, y: f64) -> f64 {
         8.0 * f64::EPSILON * (trial.q + self.friction * trial.mean.abs() + self.strength * y)
     }
 
-    /// State on the surface of softening ω.
+    /// State on the yield surface at softening ω.
     fn point(&self, trial: &Trial, softening: f64) -> Result<Point, LocalFailure> {
         let left = left(softening);
         let mu = self.on_surface(trial, left)?;
         let (q, mean, lambda, _) = self.at(trial, mu, left);
         let (root, y, dy) = (self.root(q, left[0]), left[0], left[1]);
         let a2 = self.rounding * self.rounding;
-        // Part of tension: 0 from the mean stress of uniaxial compression on, 1 from that of tension.
+        // Fraction of tension: 0 at and below the mean stress of uniaxial compression, 1 at that of uniaxial tension.
         let part = if q > 0.0 {
             0.5 + 1.5 * mean / q
         } else {
@@ -307,7 +307,7 @@ impl DruckerPrager {
         )
     }
 
-    /// The end of a plastic step: Newton in ω inside a bracket, on the surface of each.
+    /// End of a plastic step: Newton's method in ω within a bracket; each iterate lies on the yield surface.
     fn solve(&self, trial: &Trial) -> Result<(Point, f64), LocalFailure> {
         let mut softening = trial.softening;
         let mut p = self.point(trial, softening)?;
@@ -317,7 +317,7 @@ impl DruckerPrager {
         let (mut low, mut high) = (softening, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let residual = softening - trial.softening - p.lambda * p.rate;
-            // Some roundings of ω and of its growth.
+            // Tolerance: some rounding errors of ω and of its growth.
             let exact = 16.0 * f64::EPSILON * (softening + p.lambda * p.rate.abs());
             if residual.abs() <= exact {
                 return Ok((p, softening));
@@ -358,7 +358,7 @@ impl DruckerPrager {
         } else {
             Vector6::zeros()
         };
-        // Of R by q_tr and σ_m,tr, with the sign of what goes to the other side.
+        // Derivatives of R by q_tr and σ_m,tr, with the opposite sign.
         let along_q = inverse * Vector3::new(1.0, 0.0, 0.0);
         let along_mean = inverse * Vector3::new(0.0, -self.friction, p.lambda * p.rate_slope[1]);
         let gradient = |i: usize| by_q * along_q[i] + mean * along_mean[i];
@@ -417,7 +417,7 @@ impl SolidLaw for DruckerPrager {
         let deviator = stress - tensor::UNIT * mean;
         let stress = deviator * p.ratio + tensor::UNIT * p.mean;
         let mut history = *old;
-        // λN = (3/2)(λ/√(…)) s + (λη̄/3) 1; shear components doubled.
+        // λN = (3/2)(λ/√(…)) s + (λη̄/3) 1; shear components are doubled.
         let (along, volume) = (
             1.5 * p.lambda / p.root * p.ratio,
             p.lambda * self.dilation / 3.0,
@@ -454,13 +454,13 @@ impl SolidLaw for DruckerPrager {
                 one[k] = stress[k][g];
             }
             let (mean, q) = invariants(&one);
-            // False for what is not finite.
+            // False if a value is not finite.
             elastic[g] = self.root(q, 1.0) + self.friction * mean <= self.strength;
         }
         (stress, bits(&elastic))
     }
 
-    /// y of the surface through the stress, from the square of (1).
+    /// y of the yield surface through the stress, from the square of (1).
     fn reached(&self, stress: &Vector6<f64>) -> Option<f64> {
         let (mean, q) = invariants(stress);
         let (a, k, pressed) = (self.rounding, self.strength, self.friction * mean);
@@ -483,7 +483,7 @@ fn left(softening: f64) -> [f64; 2] {
     [RESIDUAL + soft, -soft]
 }
 
-/// Part of the strength that a softening has taken.
+/// Lost fraction of the strength at a given softening.
 fn lost(softening: f64) -> f64 {
     1.0 - left(softening)[0]
 }

@@ -1,9 +1,8 @@
-//! Pure point laws of the solids: (strain, old history) → (stress, tangent, new history).
+//! Pure point laws of solids: (strain, old history) → (stress, tangent, new history).
 //!
-//! [`SolidLaw`] is the trait of all of them. The laws that the library brings are variants of [`Material`], so that the
-//! loop over the points of an element calls none of them through a table; a law from outside is
-//! [`Material::Custom`], with one virtual call for the points of an element. The registry of `kind = "..."` is
-//! [`deck::schema::registry`](crate::deck::schema::registry).
+//! [`SolidLaw`] is the trait of all of them. The built-in laws are variants of [`Material`], so that the loop over
+//! the points of an element needs no virtual call. A user-defined law is [`Material::Custom`], with one virtual call
+//! per element. The registry of `kind = "..."` is [`deck::schema::registry`](crate::deck::schema::registry).
 
 pub mod band;
 mod built_in;
@@ -49,7 +48,7 @@ pub fn elastic_stiffness(elastic: &ElasticParameters) -> Matrix6<f64> {
     c
 }
 
-/// Any law of the solids.
+/// Any solid law.
 #[derive(Clone, Debug)]
 pub enum Material {
     /// Linear elasticity.
@@ -58,16 +57,15 @@ pub enum Material {
     DamagePlasticity(Box<DamagePlasticity>),
     /// Hyperbolic Drucker–Prager plasticity.
     DruckerPrager(Box<DruckerPrager>),
-    /// A law from outside the library.
+    /// A user-defined law.
     Custom(Arc<dyn SolidLaw>),
 }
 
 impl Material {
-    /// Law of a material in elements of equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1); none for a
-    /// point without size: tables as given.
+    /// The law of a material in elements of the equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1). `None`
+    /// stands for a point without size, for which tables are used as given.
     ///
-    /// # Errors
-    /// [`TableError`], naming branch and row.
+    /// # Errors [`TableError`] with branch and row.
     pub fn new(
         parameters: &MaterialParameters,
         l_eq: Option<f64>,
@@ -92,7 +90,7 @@ impl Material {
         }
     }
 
-    /// The trait of its law.
+    /// The law as a trait object.
     pub fn law(&self) -> &dyn SolidLaw {
         match self {
             Self::Elastic(law) => law,
@@ -102,10 +100,9 @@ impl Material {
         }
     }
 
-    /// One implicit step of `dt` [s] of step time to the total strain (engineering Voigt).
+    /// One implicit step of duration `dt` [s] to the total strain (engineering Voigt).
     ///
-    /// # Errors
-    /// [`LocalFailure`] if the law has no answer.
+    /// # Errors [`LocalFailure`] if the law has no solution.
     pub fn update(
         &self,
         strain: &Vector6<f64>,
@@ -168,11 +165,10 @@ impl Material {
         }
     }
 
-    /// [`Self::update`], with the tangent where it is wanted; within an element a law from outside answers all points
-    /// at once instead ([`SolidLaw::update_points`]).
+    /// [`Self::update`], with the tangent only where it is wanted. Within an element a user-defined law computes all
+    /// points at once instead ([`SolidLaw::update_points`]).
     ///
-    /// # Errors
-    /// [`LocalFailure`] if the law has no answer.
+    /// # Errors [`LocalFailure`] if the law has no solution.
     #[inline(always)]
     pub(crate) fn step(
         &self,
@@ -189,8 +185,7 @@ impl Material {
         }
     }
 
-    /// Symmetric positive definite stand-in for the tangent of a point that yields, of which a part is
-    /// intact.
+    /// Symmetric positive definite approximation of the tangent of a yielding point with the intact part `intact`.
     pub(crate) fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
         match self {
             Self::Elastic(e) => elastic_stiffness(e),
@@ -201,18 +196,18 @@ impl Material {
     }
 }
 
-/// Where a consistent tangent is wanted.
+/// Points for which a consistent tangent is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// Nowhere.
+    /// At no point.
     Nowhere,
     /// At points that yield.
     WherePlastic,
-    /// Everywhere.
+    /// At all points.
     Everywhere,
 }
 
-/// Stress C₀ : ε [MPa] of an elastic strain, engineering Voigt, without the matrix.
+/// Stress C₀ : ε [MPa] of an elastic strain (engineering Voigt) without forming the matrix.
 #[inline(always)]
 pub fn hooke(elastic: &ElasticParameters, e: &Vector6<f64>) -> Vector6<f64> {
     let shear = elastic.shear_modulus();
@@ -265,7 +260,7 @@ mod tests {
         let law = Material::Elastic(elastic);
         let stress = Vector6::new(1.0, -2.0, 0.5, 0.3, -0.7, 1.1);
         let back = hooke(&elastic, &law.elastic_strain(&stress));
-        // Some roundings of ten numbers of the size of one.
+        // Tolerance: some rounding errors of ten numbers of order one.
         assert!((back - stress).norm() < 1e-14, "{back}");
     }
 }

@@ -1,4 +1,4 @@
-//! What a user says about a material, before it is fitted to an element's size.
+//! Parameters of a material, before they are adjusted to the size of an element.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub enum MaterialParameters {
     DamagePlasticity(DamagePlasticityParameters),
     /// Hyperbolic Drucker–Prager plasticity.
     DruckerPrager(DruckerPragerParameters),
-    /// A law from outside the library.
+    /// A user-defined law.
     Custom(CustomLaw),
 }
 
@@ -50,7 +50,7 @@ pub enum Interpolation {
     /// σ and effective σ̄ linear in the plastic strain between rows.
     #[default]
     Eff1,
-    /// σ and d linear in the inelastic strain, each interval cut in 20.
+    /// σ and d linear in the inelastic strain, with 20 pieces per interval.
     Lit,
 }
 
@@ -58,7 +58,7 @@ pub enum Interpolation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CrackBand {
-    /// V^(1/3), whatever the crack.
+    /// V^(1/3), independent of the crack direction.
     #[default]
     Volume,
     /// Length of the element across the crack: along the first principal direction in tension, along the last
@@ -79,19 +79,19 @@ pub struct DamagePlasticityParameters {
     pub dilation_angle: f64,
     /// Eccentricity ε of the flow potential [-].
     pub eccentricity: f64,
-    /// Biaxial over uniaxial compressive strength f_b0/f_c0 [-].
+    /// Ratio of biaxial to uniaxial compressive strength f_b0/f_c0 [-].
     pub fb0_fc0: f64,
     /// Shape of the deviatoric section K_c [-] (the paper's ρ).
     pub k_c: f64,
-    /// Stiffness recovery on going into tension w_t [-].
+    /// Stiffness recovery w_t when the stress changes to tension [-].
     pub tension_recovery: f64,
-    /// Stiffness recovery on going into compression w_c [-].
+    /// Stiffness recovery w_c when the stress changes to compression [-].
     pub compression_recovery: f64,
     /// Viscosity μ of theory/damage-plasticity.md, eq. 13, in step time [s]; 0 = none.
     pub viscosity: f64,
-    /// Length for which the tables hold, l_ref [mm]; none = tables are taken as given in any element.
+    /// Length l_ref for which the tables hold [mm]. `None`: tables are used as given in every element.
     pub reference_length: Option<f64>,
-    /// What is set against it.
+    /// Length of the element that is compared with the reference length.
     pub crack_band: CrackBand,
     /// Interpolation between rows.
     pub interpolation: Interpolation,
@@ -102,24 +102,24 @@ pub struct DamagePlasticityParameters {
 pub struct DruckerPragerParameters {
     /// Elastic constants and density.
     pub elastic: ElasticParameters,
-    /// Cohesion c of Mohr–Coulomb [MPa].
+    /// Mohr–Coulomb cohesion c [MPa].
     pub cohesion: f64,
-    /// Friction angle φ of Mohr–Coulomb [rad].
+    /// Mohr–Coulomb friction angle φ [rad].
     pub friction_angle: f64,
     /// Dilation angle ψ [rad]; φ for associated flow.
     pub dilation_angle: f64,
     /// Uniaxial tensile strength f_t [MPa].
     pub tensile_strength: f64,
-    /// Fracture energy in tension 𝒢_t [N/mm]; none = no softening.
+    /// Fracture energy in tension 𝒢_t [N/mm]; `None`: no softening.
     pub tension_energy: Option<f64>,
-    /// Fracture energy in compression 𝒢_c [N/mm]; none = no softening.
+    /// Fracture energy in compression 𝒢_c [N/mm]; `None`: no softening.
     pub compression_energy: Option<f64>,
-    /// Length of a point without size [mm].
+    /// Length used for a point without size [mm].
     pub reference_length: Option<f64>,
 }
 
 impl DamagePlasticityParameters {
-    /// Whether the band of each point has a width of its own.
+    /// Whether each point has a band width of its own.
     pub fn has_bands(&self) -> bool {
         self.crack_band == CrackBand::Projected && self.reference_length.is_some()
     }
@@ -136,17 +136,17 @@ impl MaterialParameters {
         }
     }
 
-    /// Those of a law from outside the library.
+    /// Parameters of a user-defined law.
     pub fn custom(law: impl SolidLaw + 'static) -> Self {
         Self::Custom(CustomLaw(Arc::new(law)))
     }
 
-    /// Whether it can yield or break.
+    /// Whether the law is nonlinear.
     pub fn yields(&self) -> bool {
         !matches!(self, Self::Elastic(_))
     }
 
-    /// Numbers of the history that its law shows beside those of every solid.
+    /// Additional history variables that the law writes to the results.
     pub fn outputs(&self) -> &'static [LawOutput] {
         match self {
             Self::Elastic(_) | Self::DamagePlasticity(_) => &[],

@@ -1,16 +1,16 @@
 //! The scalar return map (theory/return-map.md, eqs 1 to 8) and its derivatives (eqs 9 to 14).
 //!
-//! The plastic flow keeps the principal directions of the trial stress, so every quantity of the
-//! end of the step is an explicit function of the multiplier λ:
+//! Plastic flow preserves the principal directions of the trial stress. Every quantity at the end of the step is
+//! therefore an explicit function of the multiplier λ:
 //!
 //! ```text
 //! R1: q (1 + 3Gλ/A) = q_tr, A² = a² + q²;  σ_m = σ_m,tr − K T λ;  σ_i = η s_i + σ_m, η = q/q_tr
 //! R2: f(λ) = q + 3α σ_m + β⟨σ_max⟩ − γ⟨−σ_max⟩ − (1−α) σ̄_c = 0
 //! ```
 //!
-//! With φ = λη/A = (1−η)/3G the principal plastic strains of the step, λN_i = (3/2) φ s_i + λT/3,
-//! need neither q nor A to differ from zero: no case of its own for a hydrostatic trial stress or,
-//! without eccentricity, for the vertex of the cone.
+//! With φ = λη/A = (1−η)/3G the principal plastic strains of the step are λN_i = (3/2) φ s_i + λT/3. They remain
+//! defined for q = 0 and A = 0. A hydrostatic trial stress, or the vertex of the cone without eccentricity, needs no
+//! special case.
 
 use nalgebra::SVector;
 
@@ -30,11 +30,11 @@ pub(super) struct TrialStress {
     /// κ at the start of the step.
     pub kappa_t: f64,
     pub kappa_c: f64,
-    /// Curves of its bands, in tension and in compression.
+    /// Indices of the curves of its bands, in tension and in compression.
     pub rungs: [usize; 2],
 }
 
-/// Derivatives of trial state and λ by `N` variables at once.
+/// Derivatives of trial state and λ by `N` variables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Variation<const N: usize> {
     pub mean: SVector<f64, N>,
@@ -44,7 +44,7 @@ pub(super) struct Variation<const N: usize> {
 }
 
 impl Variation<1> {
-    /// Along λ at constant trial stress.
+    /// Derivative by λ at constant trial stress.
     pub fn along_lambda() -> Self {
         let zero = SVector::zeros();
         Self {
@@ -56,7 +56,7 @@ impl Variation<1> {
     }
 }
 
-/// State at one λ.
+/// State at a given λ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub lambda: f64,
@@ -72,7 +72,7 @@ pub(super) struct Point {
     pub stress: [f64; 3],
     /// r(σ̄).
     pub r: f64,
-    /// Largest and smallest principal plastic strain of the step, unclipped.
+    /// Largest and smallest principal plastic strain of the step, not clipped at 0.
     pub strain_max: f64,
     pub strain_min: f64,
     pub kappa_t: f64,
@@ -83,7 +83,7 @@ pub(super) struct Point {
     pub f: f64,
 }
 
-/// Derivatives of a [`Point`] along a [`Variation`].
+/// Derivatives of a [`Point`] for a [`Variation`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slope<const N: usize> {
     pub eta: SVector<f64, N>,
@@ -93,7 +93,7 @@ pub(super) struct Slope<const N: usize> {
     pub f: SVector<f64, N>,
 }
 
-/// r = Σ⟨σ_i⟩/Σ|σ_i|, 0 without stress (theory/damage-plasticity.md, eq. 7).
+/// r = Σ⟨σ_i⟩/Σ|σ_i|; 0 at zero stress (theory/damage-plasticity.md, eq. 7).
 #[inline(always)]
 pub(super) fn weight(stress: &[f64; 3]) -> f64 {
     let sum = stress[0].abs() + stress[1].abs() + stress[2].abs();
@@ -105,7 +105,7 @@ pub(super) fn weight(stress: &[f64; 3]) -> f64 {
 }
 
 impl Point {
-    /// Elastic end of a step where r does not matter and f is at most `bound`.
+    /// Elastic end of a step in which r is not needed and f is at most `bound`.
     pub fn elastic(
         mean: f64,
         tension: CurvePoint,
@@ -134,7 +134,7 @@ impl Point {
 }
 
 impl DamagePlasticity {
-    /// q(λ) of R1, by Newton from below where the concave function rises monotonically.
+    /// q(λ) of R1 by Newton's method, from below, where the concave function increases.
     #[inline(always)]
     fn mises(&self, q_trial: f64, lambda: f64) -> f64 {
         if lambda == 0.0 || q_trial == 0.0 {
@@ -144,7 +144,7 @@ impl DamagePlasticity {
         if a == 0.0 {
             return (q_trial - g3).max(0.0);
         }
-        // The flow takes at most 3Gλ off q, and at most what it takes at q = 0: a start from below.
+        // Start from below: the flow reduces q by at most 3Gλ, and at most by the factor that holds at q = 0.
         let mut q = (q_trial - g3).max(q_trial / (1.0 + g3 / a)).max(0.0);
         for _ in 0..60 {
             let square = a * a + q * q;
@@ -152,7 +152,7 @@ impl DamagePlasticity {
             let residual = q * (1.0 + share) - q_trial;
             let step = residual / (1.0 + share * a * a / square);
             q = (q - step).max(0.0).min(q_trial);
-            // Newton doubles the digits: a step of 1e-9 leaves nothing to do.
+            // Newton's method converges quadratically: after a step of 1e-9 the error is below rounding.
             if step.abs() <= 1e-9 * q {
                 break;
             }
@@ -181,7 +181,8 @@ impl DamagePlasticity {
         self.state(trial, lambda, q, a, eta, phi)
     }
 
-    /// State at μ = 1 − η = 3Gφ, of which λ = μA/3Gη is explicit. Only the vertex of a cone is at no μ < 1.
+    /// State at μ = 1 − η = 3Gφ, from which λ = μA/3Gη is explicit. All states except the vertex of a cone have μ <
+    /// 1.
     #[inline(always)]
     fn point_at(&self, trial: &TrialStress, mu: f64) -> Point {
         let eta = 1.0 - mu;
@@ -250,7 +251,7 @@ impl DamagePlasticity {
         (1.0 - self.alpha) * compression.effective / tension.effective - (1.0 + self.alpha)
     }
 
-    /// Derivatives at a point along a change of trial state and λ (theory/return-map.md, eqs 10 to 14).
+    /// Derivatives at a point for a change of trial state and λ (theory/return-map.md, eqs 10 to 14).
     #[inline(always)]
     pub(super) fn slope<const N: usize>(
         &self,
@@ -260,7 +261,7 @@ impl DamagePlasticity {
     ) -> Slope<N> {
         let g3 = 3.0 * self.shear;
         let q = p.eta * trial.q;
-        // R1: dη (1 + 3Gλ a²/A³) = (1−η) η q/A² dq_tr − 3Gη/A dλ; the vertex of a cone stays.
+        // R1: dη (1 + 3Gλ a²/A³) = (1−η) η q/A² dq_tr − 3Gη/A dλ; at the vertex of a cone dη = 0.
         let deta = if p.a > 0.0 {
             let share = self.a * self.a / (p.a * p.a);
             let by_q = g3 * p.phi * p.eta * q / (p.a * p.a);
@@ -313,29 +314,29 @@ impl DamagePlasticity {
         }
     }
 
-    /// Root of f(λ) beyond a trial state `start` with f(0) > 0.
+    /// Root of f(λ) from a trial state `start` with f(0) > 0.
     #[inline(always)]
     pub(super) fn solve(&self, trial: &TrialStress, start: &Point) -> Result<Point, LocalFailure> {
-        // Theory B.1, and what rounding of the trial stress leaves.
+        // The tolerance of theory/return-map.md, Decisions, "Tolerances", plus rounding of the trial stress.
         let rounding = 8.0 * f64::EPSILON * (trial.q + trial.mean.abs());
         let tolerance = (1e-12 * self.compression().first_yield()).max(rounding);
         self.along_curve(trial, start, tolerance)
             .map_or_else(|| self.bracketed(trial, start, tolerance), Ok)
     }
 
-    /// Newton along μ, in which λ is explicit and, where q is well above a, f nearly as straight as in λ;
-    /// none where it leaves its bracket or takes long.
+    /// Newton's method in μ. There λ is explicit and, for q well above a, f is nearly as linear as in λ. `None` if an
+    /// iterate leaves the bracket or convergence is slow.
     #[inline(always)]
     fn along_curve(&self, trial: &TrialStress, start: &Point, tolerance: f64) -> Option<Point> {
-        // What rounding leaves of f: nothing for a step more.
+        // Below this value f is rounding and another step gains nothing.
         let exact = 2.0 * f64::EPSILON * trial.q;
         let (mut low, mut high) = (0.0, 1.0);
         let (mut p, mut mu) = (*start, 0.0);
         for _ in 0..MOST_STEPS {
             let next = mu - p.f / self.fall(trial, &p);
-            // One more step of Newton takes off what the tolerance leaves.
+            // One more Newton step reduces the error far below the tolerance.
             let done = p.f.abs() <= tolerance;
-            // NaN is not inside either.
+            // A comparison with NaN is false, so that NaN counts as outside.
             if !(next > low && next < high) {
                 return done.then_some(p);
             }
@@ -358,12 +359,12 @@ impl DamagePlasticity {
         None
     }
 
-    /// df/dμ: [`Self::slope`] along μ, with what it shares taken once.
+    /// df/dμ: [`Self::slope`] along μ, with common terms computed once.
     #[inline(always)]
     fn fall(&self, trial: &TrialStress, p: &Point) -> f64 {
         let one_by_g3 = 1.0 / (3.0 * self.shear);
         let a2 = self.a * self.a;
-        // dη = −dμ, 3G dφ = dμ, and of λ = φ A/η
+        // dη = −dμ, 3G dφ = dμ, and dλ follows from λ = φ A/η.
         let by_eta = 1.0 / p.eta;
         let lambda = (p.a + p.phi * 3.0 * self.shear * by_eta * a2 / p.a) * (by_eta * one_by_g3);
         let mean = -self.bulk * self.dilation * lambda;
@@ -399,8 +400,8 @@ impl DamagePlasticity {
         3.0 * self.alpha * mean - trial.q + by_largest - one * compression
     }
 
-    /// Newton inside a bracket: f falls to −∞ for T > 0, so that one exists; it is closed only where
-    /// Newton needs it.
+    /// Newton's method with a bracket. A bracket exists because f decreases to −∞ for T > 0; bisection is used only
+    /// if Newton's method leaves it.
     #[cold]
     #[inline(never)]
     fn bracketed(
@@ -415,7 +416,7 @@ impl DamagePlasticity {
         let mut p = *start;
         for _ in 0..300 {
             let mut next = newton(&p);
-            // NaN is not inside either.
+            // A comparison with NaN is false, so that NaN counts as outside.
             if !(next > low && next < high) {
                 next = if high.is_finite() {
                     0.5 * (low + high)
@@ -424,7 +425,7 @@ impl DamagePlasticity {
                 };
             }
             if next <= low || next >= high || !next.is_finite() {
-                // Two neighbouring numbers: all there is to find.
+                // The bracket has shrunk to two adjacent floating-point numbers.
                 let found = high.is_finite() && p.f.is_finite();
                 return if found { Ok(p) } else { Err(refused(&p)) };
             }
@@ -435,7 +436,7 @@ impl DamagePlasticity {
                 high = next;
             }
             if p.f.abs() <= tolerance {
-                // One more step of Newton takes off what the tolerance left.
+                // One more Newton step reduces the error far below the tolerance.
                 let polished = self.point(trial, newton(&p).max(0.0));
                 return Ok(if polished.f.abs() < p.f.abs() {
                     polished
@@ -448,7 +449,7 @@ impl DamagePlasticity {
     }
 }
 
-/// Steps of Newton beyond which something is amiss: five are usual.
+/// Largest number of Newton steps in μ; five are usual.
 const MOST_STEPS: usize = 12;
 
 fn refused(p: &Point) -> LocalFailure {

@@ -1,9 +1,9 @@
-//! A brick for the tests of this room.
+//! A sample brick for the tests of this module.
 
 use super::{CrackBand, DamagePlasticityParameters, ElasticParameters, Interpolation, TableRow};
 
-/// Elastic constants of Table 3 (D'Altri et al. 2018) and tables of stress [MPa], inelastic strain, damage; change
-/// what differs.
+/// Elastic constants of Table 3 (D'Altri et al. 2018) with the given tables (stress [MPa], inelastic strain, damage).
+/// Tests change the fields that differ.
 pub fn brick(tension: &[[f64; 3]], compression: &[[f64; 3]]) -> DamagePlasticityParameters {
     let rows = |table: &[[f64; 3]]| {
         let row = |&[stress, inelastic_strain, damage]: &[f64; 3]| TableRow {

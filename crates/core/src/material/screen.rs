@@ -1,40 +1,39 @@
-//! Which of an element's eight points stay elastic with certainty: one pass with the points in lanes.
+//! Screening of an element's eight points for those that certainly remain elastic, with the points innermost.
 //!
-//! The yield function of an intact point needs its largest principal stress alone. First a bound of it,
-//! σ_max ≤ σ_m + ⅔ q; where that does not do, the value itself from the cubic's trigonometric form,
+//! The yield function of an undamaged point needs only its largest principal stress. The first test uses the bound
+//! σ_max ≤ σ_m + ⅔ q. If that does not suffice, the value is computed from the trigonometric form of the cubic,
 //!
 //! ```text
 //! 4c³ − 3c = |cos 3θ| = 27 |J₃| / 2q³,   c in [√3/2, 1]
 //! σ_max = σ_m + ⅔ q c  (J₃ ≥ 0),   σ_m + ⅓ q (c + √3 √(1−c²))  (J₃ < 0)
 //! ```
 //!
-//! which loses half of its digits where two values coincide (c = 1): a margin makes up for it. What is not
-//! certain here is left to the law.
+//! which loses half of its digits where two principal values coincide (c = 1). A margin compensates this. Points that
+//! remain undecided are left to the law.
 
 use super::damage_plasticity::DamagePlasticity;
 use super::parameters::ElasticParameters;
 use super::{Material, SolidLaw};
 use crate::tensor::ByPoint;
 
-/// Error that the largest principal stress may have, over q: √ε is 1.5e-8, and a few roundings are in it.
+/// Error bound of the largest principal stress divided by q: √ε is 1.5e-8, times a few rounding errors.
 const MARGIN: f64 = 1e-6;
 
-/// The yield function of a point that nothing has happened to.
+/// The yield function of a point in its initial state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstYield {
     /// 3α.
     pub by_mean: f64,
-    /// β; negative where no bound holds.
+    /// β; negative if there is no bound.
     pub by_largest: f64,
-    /// γ, where the largest principal stress is negative.
+    /// γ, used if the largest principal stress is negative.
     pub by_negative: f64,
     /// (1−α) σ̄_c [MPa].
     pub strength: f64,
 }
 
 impl Material {
-    /// Elastic stresses C₀ : ε [MPa], and a bit for each point that stays elastic if nothing has happened
-    /// to it before.
+    /// Elastic stresses C₀ : ε [MPa], and a bit for each point that remains elastic if it is in its initial state.
     #[inline(always)]
     pub(crate) fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
         match self {
@@ -46,11 +45,11 @@ impl Material {
     }
 }
 
-/// Of a linear elastic law: all that are finite.
+/// For linear elasticity: all points with finite strain.
 #[inline(always)]
 pub(super) fn elastic(parameters: &ElasticParameters, strain: &ByPoint) -> (ByPoint, u8) {
     let stress = hooke_by_point(parameters, strain);
-    // What is not finite is reported by the law.
+    // Values that are not finite are reported by the law.
     let finite: [bool; 8] = std::array::from_fn(|g| strain.iter().all(|e| e[g].is_finite()));
     (stress, bits(&finite))
 }
@@ -95,8 +94,8 @@ impl DamagePlasticity {
 }
 
 impl FirstYield {
-    /// Whether (1−α) F ≤ 0 at invariants [MPa], or at a bound of the largest principal stress, with which F
-    /// grows; not if one of them is not finite.
+    /// Whether (1−α) F ≤ 0 at these invariants [MPa]. `largest` is the largest principal stress or an upper bound; F
+    /// increases with it. False if a value is not finite.
     #[inline(always)]
     fn holds(&self, q: f64, mean: f64, largest: f64) -> bool {
         let slope = if largest >= 0.0 {
@@ -108,7 +107,7 @@ impl FirstYield {
     }
 }
 
-/// Largest principal value of the deviator at point `g` of invariants `mean` and `q` [MPa].
+/// Largest principal value of the deviator at point `g` with invariants `mean` and `q` [MPa].
 #[inline(always)]
 fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
     let (x, y, z) = (
@@ -120,10 +119,10 @@ fn largest_deviatoric(stress: &ByPoint, g: usize, mean: f64, q: f64) -> f64 {
     let j3 = x * (y * z - b * b) - a * (a * z - b * c) + c * (a * b - y * c);
     let third = q / 3.0;
     let cube = third * third * third;
-    // A stress of zero has a w of zero.
+    // Zero stress gives w = 0.
     let w = 0.5 * j3.abs() / if cube > 0.0 { cube } else { 1.0 };
     let w = if w < 1.0 { w } else { 1.0 };
-    // As in `tensor`: 4e-5 off, and each step of Newton doubles its digits.
+    // The start of `tensor` has an error of 4e-5, and each Newton step doubles the number of digits.
     let mut c = 0.866_066_33 + w * (0.165_330_35 + w * (-0.040_691_2 + w * 0.009_319_68));
     for _ in 0..2 {
         c -= ((4.0 * c * c - 3.0) * c - w) / (12.0 * c * c - 3.0);
@@ -150,7 +149,7 @@ pub(super) fn hooke_by_point(elastic: &ElasticParameters, e: &ByPoint) -> ByPoin
     stress
 }
 
-/// Bit g of each point that is true.
+/// Bit g for each point that is true.
 #[inline(always)]
 pub(super) fn bits(of: &[bool; 8]) -> u8 {
     let mut bits = 0;
@@ -178,7 +177,7 @@ mod tests {
         }
     }
 
-    /// Principal values where bounds are sharp, where values coincide, and where all is zero.
+    /// Principal values where the bounds are sharp, where values coincide, and where all are zero.
     const CASES: [[f64; 3]; 10] = [
         [1.0, 0.0, 0.0],
         [1.0, 1.0, 0.0],
@@ -192,8 +191,8 @@ mod tests {
         [-0.1, -0.1, -1.0],
     ];
 
-    /// What is screened as elastic is so by the law, and what is well inside is screened, on both sides of
-    /// the surface and on it to the last bit, in any direction.
+    /// Points that the screen calls elastic are elastic by the law, and points well inside the surface are
+    /// recognised: on both sides of the surface, exactly on it, and in all directions.
     #[expect(
         clippy::too_many_lines,
         reason = "one loop over materials and directions"
@@ -213,7 +212,7 @@ mod tests {
                 let m = turn.matrix()
                     * nalgebra::Matrix3::from_diagonal(&Vector3::from(*case))
                     * turn.matrix().transpose();
-                // Strain of this stress: ε = σ (1+ν)/E − ν/E tr σ.
+                // Strain for this stress: ε = σ (1+ν)/E − ν/E tr σ.
                 let trace = case.iter().sum::<f64>() * 0.15 / 16700.0;
                 let by = 1.15 / 16700.0;
                 let strain = Vector6::new(
@@ -256,7 +255,7 @@ mod tests {
                         screened += 1;
                         assert_eq!(answer.history.kappa_t + answer.history.kappa_c, 0.0);
                         for k in 0..6 {
-                            // Roundings of the same sums.
+                            // Tolerance: rounding of the same sums.
                             let error = (stress[k][g] - answer.stress[k]).abs();
                             assert!(error <= 1e-14 * answer.stress.amax(), "{case:?} {g}");
                         }

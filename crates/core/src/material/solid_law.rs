@@ -1,15 +1,14 @@
-//! The trait of the solids' laws: total strain and old history in, stress, tangent and new history out.
+//! The trait of solid laws: total strain and old history give stress, tangent and new history.
 //!
 //! Strain, stress and history are small strains, Cauchy stresses and internal variables in the rotated frame of an
-//! element, so a law need not know of rotations. The solver reads the history, too: it takes a point for
-//!
+//! element, so that a law need not consider rotations. The solver also reads the history. It assumes
 //! ```text
 //! σ = (1 − d_v) C₀ : (ε − ε_v)                                                                     (1)
 //! ```
 //!
-//! with `viscous_damage` d_v and `viscous_strain` ε_v, where it extrapolates (theory/return-map.md, eq. 19), takes a secant, measures a
-//! crack or interpolates within an increment. [`Response::inviscid`] fills these, and the energies, from `damage` d
-//! and `plastic_strain` ε_p of a law without viscosity.
+//! with `viscous_damage` d_v and `viscous_strain` ε_v, wherever it extrapolates (theory/return-map.md, eq. 19), takes
+//! a secant, measures a crack or interpolates within an increment. For a law without viscosity [`Response::inviscid`]
+//! sets these variables and the energies from `damage` d and `plastic_strain` ε_p.
 
 use std::fmt;
 use std::sync::Arc;
@@ -25,13 +24,13 @@ use crate::tensor::ByPoint;
 /// One implicit step of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
-    /// Its step time Δt [s], for laws with viscosity.
+    /// Step time Δt [s], for laws with viscosity.
     pub dt: f64,
-    /// Where the consistent tangent is wanted; elsewhere that of the response is not read.
+    /// Points for which the consistent tangent is wanted; other tangents are not read.
     pub tangent: Wanted,
 }
 
-/// A number of [`MaterialHistory`].
+/// A scalar of [`MaterialHistory`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// κ_t [-].
@@ -62,31 +61,32 @@ impl Slot {
     }
 }
 
-/// A number that a law shows beside those of every solid (stress, plastic strain, tensile and compressive damage). Its
-/// name is that of a field of the elements (largest value of the eight points) in `results.vtkhdf` and its copies, of a
-/// column `max_NAME` of the history (largest value of all points), and of a column of `wythe drive`.
+/// A history variable that a law writes to the results, in addition to those of all solids (stress, plastic strain,
+/// tensile and compressive damage). Its name is used for an element field (largest value of the eight points) in
+/// `results.vtkhdf` and its copies, for a column `max_NAME` of the history (largest value of all points), and for a
+/// column of `wythe drive`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawOutput {
-    /// Its name: letters, digits and `_`.
+    /// Name: letters, digits and `_`.
     pub name: &'static str,
-    /// Its unit; `1` for none.
+    /// Unit; `1` if dimensionless.
     pub unit: &'static str,
-    /// Where the history has it.
+    /// Position in the history.
     pub slot: Slot,
 }
 
 impl LawOutput {
-    /// An output by its name, unit and slot.
+    /// An output with name, unit and slot.
     pub const fn new(name: &'static str, unit: &'static str, slot: Slot) -> Self {
         Self { name, unit, slot }
     }
 
-    /// Its column of the history.
+    /// Name of its column in the history.
     pub fn column(&self) -> String {
         format!("max_{}", self.name)
     }
 
-    /// Those of several laws, each name once.
+    /// Outputs of several laws, each name once.
     pub fn once<'a>(of: impl Iterator<Item = &'a Self>) -> Vec<Self> {
         let mut once: Vec<Self> = Vec::new();
         for output in of {
@@ -103,9 +103,9 @@ impl LawOutput {
 pub struct Points<'a> {
     /// Total strains [-]. `[component][gauss point]`
     pub strain: &'a ByPoint,
-    /// Histories at the last commit.
+    /// Histories at the last accepted increment.
     pub old: &'a [MaterialHistory],
-    /// A bit for each point to be answered.
+    /// A bit for each point to be computed.
     pub which: u8,
     /// The step.
     pub increment: Increment,
@@ -123,23 +123,23 @@ impl Points<'_> {
     }
 }
 
-/// A law of the solids. Vectors are engineering Voigt, order xx, yy, zz, xy, yz, zx; tension is positive;
-/// stresses in MPa.
+/// A solid law. Vectors are engineering Voigt, order xx, yy, zz, xy, yz, zx; tension is positive; stresses are in
+/// MPa.
 ///
-/// `name`, `elastic` and `update` make a law; the rest has defaults, which a law overrides where it can do better.
-/// Its elasticity is isotropic: the element condenses its incompatible modes with it (theory/hex8.md, eq. 4).
+/// `name`, `elastic` and `update` define a law. All other methods have defaults, which a law overrides where it has a
+/// better form. The elasticity must be isotropic, because the element condenses its incompatible modes with it
+/// (theory/hex8.md, eq. 4).
 pub trait SolidLaw: Send + Sync + fmt::Debug {
-    /// Its name, as `kind` of a deck and in messages.
+    /// Name of the law, as used for `kind` in a deck and in messages.
     fn name(&self) -> &'static str;
 
     /// Elastic constants and density.
     fn elastic(&self) -> &ElasticParameters;
 
-    /// One implicit step from the history `old` to the total strain [-]. The same arguments give the same answer: a
-    /// step is tried many times before its history is kept. A step that yields lets `kappa_t` or `kappa_c` grow.
+    /// One implicit step from the history `old` to the total strain [-]. The function must be pure, because a step is
+    /// repeated many times before its history is accepted. A step that yields must increase `kappa_t` or `kappa_c`.
     ///
-    /// # Errors
-    /// [`LocalFailure`] if there is no answer: the increment is cut.
+    /// # Errors [`LocalFailure`] if there is no solution; the increment is then repeated with a smaller size.
     fn update(
         &self,
         strain: &Vector6<f64>,
@@ -147,23 +147,22 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
         increment: Increment,
     ) -> Result<Response, LocalFailure>;
 
-    /// Numbers of the history that it shows beside those of every solid.
+    /// Additional history variables for the results.
     fn outputs(&self) -> &'static [LawOutput] {
         &[]
     }
 
-    /// The law in elements of equivalent length `l_eq` [mm], where softening dissipates a given energy per area of a
-    /// crack; none: the same law in elements of any size.
+    /// The law for elements of the equivalent length `l_eq` [mm], in which softening dissipates a given energy per
+    /// area of crack. `None`: the law does not depend on the size.
     ///
-    /// # Errors
-    /// Why there is none for elements so large.
+    /// # Errors The reason why there is no law for elements of this size.
     fn fitted(&self, l_eq: f64) -> Result<Option<Arc<dyn SolidLaw>>, String> {
         let _ = l_eq;
         Ok(None)
     }
 
-    /// Elastic stresses C₀ : ε [MPa] of eight points, and a bit for each that stays elastic with certainty if nothing
-    /// has happened to it before: these are not updated. Default: no bits.
+    /// Elastic stresses C₀ : ε [MPa] of eight points, and a bit for each point that certainly remains elastic if it
+    /// is in its initial state. Such points are not updated. Default: no bits.
     fn screen(&self, strain: &ByPoint) -> (ByPoint, u8) {
         (super::screen::hooke_by_point(self.elastic(), strain), 0)
     }
@@ -183,9 +182,9 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
         (1.0 - damage, effective * (1.0 - damage))
     }
 
-    /// Symmetric positive definite stand-in [MPa] for the tangent of a point that yields, of which a part `intact`
-    /// is left. Default: the symmetric part with its eigenvalues relative to C₀ brought between 0.3 and one times
-    /// the intact part.
+    /// Symmetric positive definite approximation [MPa] of the tangent of a yielding point with the intact part
+    /// `intact`. Default: the symmetric part of the tangent, with eigenvalues relative to C₀ limited to between 0.3
+    /// and 1 times the intact part.
     fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
         let elastic = self.elastic();
         bounded(
@@ -196,18 +195,17 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
         )
     }
 
-    /// Part of its yield stress [-] that an elastic stress [MPa] reaches at a point that nothing has happened to: 1 on
-    /// the surface. Default: unknown.
+    /// Elastic stress [MPa] as a fraction of the yield stress in the same direction, for a point in its initial
+    /// state: 1 on the yield surface [-]. Default: unknown.
     fn reached(&self, stress: &Vector6<f64>) -> Option<f64> {
         let _ = stress;
         None
     }
 
-    /// [`Self::update`] of the points of an element that have their bit; the other answers are left as they are.
-    /// Default: one after the other, without a virtual call for each.
+    /// [`Self::update`] of those points of an element whose bit is set; the other responses are left unchanged.
+    /// Default: one point after the other, without a virtual call for each.
     ///
-    /// # Errors
-    /// That of the first point without an answer.
+    /// # Errors The error of the first point that fails.
     fn update_points(
         &self,
         points: &Points<'_>,
@@ -223,13 +221,13 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
     }
 }
 
-/// Largest extrapolated damage: what is left keeps the tangent positive definite.
+/// Largest extrapolated damage; the remainder keeps the tangent positive definite.
 pub(super) const MOST_DAMAGE: f64 = 0.999;
 
 impl Response {
-    /// Answer of a law without viscosity: `history` has its internal variables, among them `plastic_strain` and `damage`
-    /// of (1); stress, viscous strain, viscous damage and their changes are set here, and the energies are
-    /// those of the trapezoidal rule,
+    /// Response of a law without viscosity. `history` holds its internal variables, among them `plastic_strain` and
+    /// `damage` of (1). Stress, viscous strain, viscous damage and their changes are set here. The energies follow
+    /// from the trapezoidal rule,
     ///
     /// ```text
     /// ψ = ½ σ : (ε − ε_p)                                                                              (2)
@@ -271,10 +269,9 @@ impl Response {
         }
     }
 
-    /// Whether all its numbers are finite; the tangent if it is wanted.
+    /// Checks that all numbers are finite; the tangent only if it is wanted.
     ///
-    /// # Errors
-    /// [`LocalFailure::NotFinite`], with the name of the law.
+    /// # Errors [`LocalFailure::NotFinite`] with the name of the law.
     pub fn checked(&self, law: &'static str, tangent: bool) -> Result<(), LocalFailure> {
         let finite = |v: &Vector6<f64>| v.iter().all(|x| x.is_finite());
         let h = &self.history;
@@ -318,12 +315,12 @@ impl Default for Response {
     }
 }
 
-/// A law from outside the library, shared by all elements of its material.
+/// A user-defined law, shared by all elements of its material.
 #[derive(Clone, Debug)]
 pub struct CustomLaw(pub Arc<dyn SolidLaw>);
 
 impl PartialEq for CustomLaw {
-    /// The same law, not one with equal parameters.
+    /// Equality means the same object, not equal parameters.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

@@ -1,4 +1,5 @@
-//! The tangents of damage plasticity: consistent (theory/return-map.md, eqs 15 to 17), secant, and bounded where a point yields.
+//! Tangents of damage plasticity: consistent (theory/return-map.md, eqs 15 to 17), secant, and bounded for yielding
+//! points.
 
 use std::f64::consts::SQRT_2;
 
@@ -8,7 +9,7 @@ use super::damage_plasticity::{DamagePlasticity, Inviscid};
 use super::return_map::{Slope, Variation};
 use crate::tensor;
 
-/// Least stiffness of a point that yields, over that of what is intact: solves with a softer one overshoot
+/// Smallest stiffness of a yielding point relative to that of its intact part. Solutions with a softer one overshoot
 /// (docs/decisions/secant-tangents.md).
 const LEAST_STIFFNESS: f64 = 0.3;
 
@@ -18,8 +19,8 @@ impl DamagePlasticity {
         isotropic(self.bulk * intact, self.shear * intact)
     }
 
-    /// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between
-    /// 0.3 (`LEAST_STIFFNESS`) and one times the intact part.
+    /// Symmetric part of a tangent, with eigenvalues relative to C₀ limited to between 0.3 (`LEAST_STIFFNESS`) and 1
+    /// times the intact part.
     pub fn bounded(&self, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
         bounded(self.bulk, self.shear, tangent, intact)
     }
@@ -54,7 +55,7 @@ impl DamagePlasticity {
         } else {
             (slope.r, Vector6::zeros(), Vector6::zeros())
         };
-        // ∇d (theory/return-map.md, eq. 16): of either factor of the intact part.
+        // ∇d (theory/return-map.md, eq. 16), from both factors of the intact part.
         let (w_t, w_c) = (self.tension_recovery, self.compression_recovery);
         let (s_t, s_c) = (1.0 - w_t * p.r, 1.0 - w_c * (1.0 - p.r));
         let (factors, _) = self.intact(p);
@@ -79,7 +80,7 @@ impl DamagePlasticity {
             deviator,
             ..
         } = inviscid;
-        // Voigt components of stress-like tensors pair with engineering shear.
+        // Voigt components of a stress-like gradient pair with engineering shear strains.
         let by_q = if trial.q > 0.0 {
             3.0 * self.shear / trial.q
         } else {
@@ -106,10 +107,10 @@ impl DamagePlasticity {
     }
 }
 
-/// Symmetric part of a tangent with its eigenvalues relative to C₀ brought between 0.3 (`LEAST_STIFFNESS`) and one
+/// Symmetric part of a tangent, with eigenvalues relative to C₀ limited to between 0.3 (`LEAST_STIFFNESS`) and 1
 /// times the intact part.
 pub(super) fn bounded(bulk: f64, shear: f64, tangent: &Matrix6<f64>, intact: f64) -> Matrix6<f64> {
-    // Kelvin components, in which an isotropic matrix has the square root of its two moduli.
+    // In Kelvin components an isotropic matrix has a square root with the roots of its two moduli.
     let kelvin = Vector6::new(1.0, 1.0, 1.0, SQRT_2, SQRT_2, SQRT_2);
     let moduli = [3.0 * bulk, 2.0 * shear];
     let [volume, shape] = moduli.map(f64::sqrt);
@@ -117,7 +118,7 @@ pub(super) fn bounded(bulk: f64, shear: f64, tangent: &Matrix6<f64>, intact: f64
     let inverse = kelvin_isotropic(1.0 / volume, 1.0 / shape);
     let relative = inverse * tangent.component_mul(&(kelvin * kelvin.transpose())) * inverse;
     if !relative.sum().is_finite() {
-        return *tangent; // whose forces are refused; the search for eigenvalues would not end
+        return *tangent; // its forces are rejected; the eigenvalue iteration would not end
     }
     let mut eigen = ((relative + relative.transpose()) * 0.5).symmetric_eigen();
     for value in eigen.eigenvalues.iter_mut() {
@@ -141,13 +142,13 @@ fn isotropic(bulk: f64, shear: f64) -> Matrix6<f64> {
     d
 }
 
-/// An isotropic matrix by its eigenvalues, in Kelvin components.
+/// An isotropic matrix from its eigenvalues, in Kelvin components.
 fn kelvin_isotropic(volume: f64, shape: f64) -> Matrix6<f64> {
     Matrix6::identity() * shape + tensor::UNIT * ((volume - shape) / 3.0) * tensor::UNIT.transpose()
 }
 
-/// Coinciding principal values share the mean of their gradients: a subgradient that belongs to no
-/// arbitrary choice of directions.
+/// Coinciding principal values share the mean of their gradients. This subgradient does not depend on an arbitrary
+/// choice of directions.
 #[inline(always)]
 fn average_repeated(s: &[f64; 3], grad: &mut [Vector6<f64>; 3]) {
     let close = 1e-9 * (s[0].abs() + s[2].abs());

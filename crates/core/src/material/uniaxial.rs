@@ -1,4 +1,5 @@
-//! Uniaxial tables and the curves made of them (theory/damage-plasticity.md, eqs 9 to 11, and theory/crack-band.md, eqs 4 and 6).
+//! Uniaxial tables and the curves derived from them (theory/damage-plasticity.md, eqs 9 to 11, and
+//! theory/crack-band.md, eqs 4 and 6).
 
 use std::fmt;
 
@@ -22,41 +23,41 @@ impl fmt::Display for Branch {
     }
 }
 
-/// A table that cannot be used. Rows are counted from 1.
+/// An invalid table. Rows are counted from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// Fewer than two rows.
     #[error("the {branch} table needs at least two rows: first yield and one after it")]
     TooShort {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
     },
-    /// A number out of its range.
+    /// A number is out of range.
     #[error("{branch} row {row}: {what}")]
     Row {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
-        /// Which row.
+        /// Row.
         row: usize,
-        /// What is wrong, and the range.
+        /// Description with the admissible range.
         what: String,
     },
-    /// The damage is larger than the stress and strain allow, and capping it would let it fall.
+    /// The damage is larger than stress and strain allow, and capping it would let it decrease.
     #[error(
         "{branch} row {row}: damage {damage} is inadmissible (plastic strain would fall) and \
          capping it to {capped:.4} would let it fall below the row before"
     )]
     Inadmissible {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
-        /// Which row.
+        /// Row.
         row: usize,
         /// Damage as given.
         damage: f64,
-        /// The largest admissible one.
+        /// Largest admissible damage.
         capped: f64,
     },
-    /// Softening by a fracture energy that snaps back in an element so large.
+    /// Softening with a given fracture energy would snap back in an element of this size.
     #[error(
         "the softening in {branch} snaps back in an element of equivalent length {l_eq:.1} mm; below \
          {l_max:.1} mm with this modulus, strength and energy"
@@ -66,59 +67,60 @@ pub enum TableError {
         branch: Branch,
         /// Equivalent length of the element [mm].
         l_eq: f64,
-        /// What it must be below [mm].
+        /// Limit of the length [mm].
         l_max: f64,
     },
-    /// A law without a table, in words of its own.
+    /// An error of a law without tables, in its own words.
     #[error("the law `{law}`: {why}")]
     Law {
-        /// Its name.
+        /// Name of the law.
         law: &'static str,
-        /// What is wrong.
+        /// Description.
         why: String,
     },
-    /// The element is so large that its softening snaps back.
+    /// Softening would snap back in an element of this size.
     #[error(
         "{branch} row {row}: the softening snaps back in an element of equivalent length \
          {l_eq:.1} mm; at most {l_max:.1} mm with this table and reference_length"
     )]
     SnapBack {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
         /// Row at the end of the steepest segment.
         row: usize,
         /// Equivalent length of the element [mm].
         l_eq: f64,
-        /// Largest admissible one [mm].
+        /// Largest admissible length [mm].
         l_max: f64,
     },
 }
 
-/// What was changed in a table, or switched off.
+/// A change to a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TableWarning {
-    /// The damage of a row was capped so that the plastic strain does not fall (theory/damage-plasticity.md, eq. 11).
+    /// The damage of a row was capped so that the plastic strain does not decrease (theory/damage-plasticity.md, eq.
+    /// 11).
     DamageCapped {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
-        /// Which row, from 1.
+        /// Row, from 1.
         row: usize,
         /// Damage as given.
         from: f64,
         /// Damage used.
         to: f64,
-        /// Length of the element where it is [mm], none for tables as given.
+        /// Length of the element [mm]; `None` for tables used as given.
         l_eq: Option<f64>,
     },
-    /// Bands wider than the limit of snap-back are taken to be narrower (theory/crack-band.md, eq. 7).
+    /// Bands above the snap-back limit were reduced to it (theory/crack-band.md, eq. 7).
     BandNarrowed {
-        /// Which table.
+        /// Branch of the table.
         branch: Branch,
         /// Row at the end of the steepest segment.
         row: usize,
-        /// Widest band of any element [mm].
+        /// Widest band of all elements [mm].
         width: f64,
-        /// Width that it is given [mm].
+        /// Width used for it [mm].
         limit: f64,
     },
 }
@@ -158,9 +160,10 @@ impl fmt::Display for TableWarning {
     }
 }
 
-/// Least slope of the plastic over the inelastic strain: b = 0 would be a jump of σ̄ (theory/damage-plasticity.md, eq. 11).
+/// Smallest slope of the plastic strain over the inelastic strain. A slope b = 0 would be a jump of σ̄
+/// (theory/damage-plasticity.md, eq. 11).
 const LEAST_PLASTIC: f64 = 0.1;
-/// Pieces of each interval for [`Interpolation::Lit`].
+/// Pieces per interval for [`Interpolation::Lit`].
 const PIECES: usize = 20;
 
 /// A node of the curves.
@@ -178,11 +181,11 @@ pub struct Node {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     nodes: Vec<Node>,
-    /// One from each node; the last goes on level.
+    /// One segment from each node; the last one is constant.
     segments: Vec<Segment>,
 }
 
-/// The straight lines from a node to the next.
+/// The straight line from a node to the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Segment {
     from: Node,
@@ -192,7 +195,7 @@ struct Segment {
     effective_slope: f64,
 }
 
-/// Segments up to which counting is faster than bisection.
+/// Number of segments up to which a linear search is faster than bisection.
 const FEW: usize = 8;
 
 /// Values of a curve at one κ.
@@ -209,10 +212,9 @@ pub struct CurvePoint {
 }
 
 impl Curve {
-    /// Builds the curve of a table for Young's modulus `e` [MPa] in an element of size `l_eq` [mm].
+    /// Curve of a table for Young's modulus `e` [MPa] in an element of size `l_eq` [mm].
     ///
-    /// # Errors
-    /// [`TableError`].
+    /// # Errors [`TableError`].
     pub fn new(
         branch: Branch,
         rows: &[TableRow],
@@ -286,7 +288,7 @@ impl Curve {
         &self.nodes
     }
 
-    /// κ at the peak stress, of a plateau at its end.
+    /// κ at the peak stress; for a plateau at its end.
     pub fn peak(&self) -> f64 {
         let by_stress = |best: &Node, node: &Node| {
             if node.stress >= best.stress {
@@ -334,7 +336,7 @@ impl Curve {
     }
 }
 
-/// Segments between the nodes, and a level one behind the last.
+/// Segments between the nodes, and a constant one after the last node.
 fn segments(nodes: &[Node]) -> Vec<Segment> {
     let mut segments: Vec<Segment> = (nodes.windows(2))
         .map(|pair| {
@@ -355,10 +357,9 @@ fn segments(nodes: &[Node]) -> Vec<Segment> {
     segments
 }
 
-/// Ranges of a table, whatever the element.
+/// Checks the ranges of a table, independently of the element.
 ///
-/// # Errors
-/// [`TableError`], naming the row.
+/// # Errors [`TableError`] with the row.
 #[expect(
     clippy::too_many_lines,
     reason = "one check after the other, each with its error"
@@ -427,7 +428,7 @@ pub fn validate(branch: Branch, rows: &[TableRow]) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Stretches the inelastic strain after the peak by l_ref/l_eq and refuses a snap-back (theory/crack-band.md, eq. 7).
+/// Stretches the inelastic strain after the peak by l_ref/l_eq and rejects a snap-back (theory/crack-band.md, eq. 7).
 fn scale(
     branch: Branch,
     rows: &[TableRow],
@@ -456,7 +457,7 @@ fn scale(
             continue;
         }
         let ratio = e * width / fall;
-        // Before the peak nothing scales, and without scaling no element is to blame.
+        // Rows before the peak are not scaled, and without scaling the element size is not the cause.
         if ratio <= 1.0 && (i <= peak || scaling.is_none()) {
             let what = format!(
                 "the stress falls by {fall} MPa within an inelastic strain of {width:.3e}: it snaps \
@@ -481,7 +482,7 @@ fn scale(
     }
 }
 
-/// Row of the peak stress, from 0; of a plateau its end: what softens comes after it.
+/// Row of the peak stress, from 0; for a plateau the last row, after which softening begins.
 fn peak_row(rows: &[TableRow]) -> usize {
     let higher = |p: usize, i: usize| {
         if rows[i].stress >= rows[p].stress {
@@ -493,8 +494,8 @@ fn peak_row(rows: &[TableRow]) -> usize {
     (0..rows.len()).fold(0, higher)
 }
 
-/// Least E Δε_in/Δσ of the falls beyond the peak, the largest l/l_ref that does not snap back (theory/crack-band.md, eq. 7), and the
-/// row (from 1) at the end of that fall; none without softening.
+/// Smallest E Δε_in/Δσ of the softening segments, the largest l/l_ref without snap-back (theory/crack-band.md, eq.
+/// 7), with the row (from 1) at the end of that segment; `None` without softening.
 pub fn snap_back(e: f64, rows: &[TableRow]) -> Option<(usize, f64)> {
     (peak_row(rows) + 1..rows.len())
         .filter(|&i| rows[i].stress < rows[i - 1].stress)

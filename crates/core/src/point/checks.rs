@@ -1,18 +1,18 @@
-//! Checks that a law of the solids should pass, for the tests of a law of one's own.
+//! Checks that a solid law should pass, for tests of user-defined laws.
 //!
-//! Each takes the law along random paths and says where it fails first:
+//! Each check drives the law along random strain paths and reports the first failure:
 //!
 //! ```text
 //! tangent       dσ/dε of the response = central differences of the stress
 //! form          σ = (1 − d_v) C₀ : (ε − ε_v)                                                       (1)
 //! balance       ½ (σ_n + σ) : Δε = Δψ + D                                                          (2)
-//! dissipation   σ : Δε_v + ½ (ε − ε_v) : C₀ : (ε − ε_v) Δd_v ≥ 0, but for a d_v that falls         (3)
+//!  dissipation   σ : Δε_v + ½ (ε − ε_v) : C₀ : (ε − ε_v) Δd_v ≥ 0, unless d_v decreases              (3)
 //! objectivity   σ(Q ε Qᵀ) = Q σ(ε) Qᵀ
 //! ```
 //!
-//! (1) is how the solver reads a history (`material::solid_law`); (3) takes the forces at the end of the step, where an
-//! implicit law has them on its surface. The frame of an element turns with it, so that objectivity needs no more than
-//! isotropy of the law, which is checked; a law with directions of its own fails that check rightly.
+//! The solver reads a history by (1) (`material::solid_law`). (3) uses the forces at the end of the step, where an
+//! implicit law satisfies its yield condition. The strains are given in the rotating frame of an element, so that
+//! isotropy of the law suffices for objectivity. An anisotropic law fails this check.
 
 use nalgebra::{Matrix3, Rotation3, Vector6};
 
@@ -20,23 +20,23 @@ use crate::material::{
     Increment, LocalFailure, MaterialHistory, Response, SolidLaw, Wanted, hooke,
 };
 
-/// Random paths from a virgin point.
+/// Random strain paths from the initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paths {
     /// Number of paths.
     pub paths: usize,
-    /// Steps of each.
+    /// Steps per path.
     pub steps: usize,
-    /// Length of one step in strain [-]: a fifth of the strain at first yield shows most of a law.
+    /// Strain length of one step [-]; a fifth of the strain at first yield exercises most of a law.
     pub strain: f64,
-    /// Step time of each [s].
+    /// Duration of each step [s].
     pub dt: f64,
-    /// Another seed, other paths.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Paths {
-    /// Forty paths of thirty steps of this strain [-].
+    /// Forty paths of thirty steps with this strain length [-].
     pub fn of_step(strain: f64) -> Self {
         Self {
             paths: 40,
@@ -48,7 +48,7 @@ impl Paths {
     }
 }
 
-/// Where a law fails.
+/// A failed check and its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the law `{law}` fails at step {step} of path {path} (strain {strain:?}): {what}")]
 pub struct CheckFailure {
@@ -58,19 +58,19 @@ pub struct CheckFailure {
     pub path: usize,
     /// Step, from 0.
     pub step: usize,
-    /// Total strain there [-].
+    /// Total strain at the failure [-].
     pub strain: [f64; 6],
-    /// What is wrong.
+    /// The reason.
     pub what: CheckError,
 }
 
-/// What is wrong.
+/// Reason of a failed check.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CheckError {
-    /// No answer.
+    /// The law returned an error.
     #[error("{0}")]
     Law(LocalFailure),
-    /// The tangent is not the derivative of the stress.
+    /// The tangent differs from the derivative of the stress.
     #[error(
         "tangent entry ({row}, {column}) is {found:.6e} MPa, by differences {expected:.6e} MPa"
     )]
@@ -79,15 +79,15 @@ pub enum CheckError {
         row: usize,
         /// Component of the strain.
         column: usize,
-        /// Of the response [MPa].
+        /// Entry of the tangent [MPa].
         found: f64,
-        /// By differences [MPa].
+        /// Finite difference [MPa].
         expected: f64,
     },
-    /// Two numbers that should be equal.
+    /// Two quantities that should be equal differ.
     #[error("{what}: {found:.9e} where {expected:.9e} belongs (tolerance {tolerance:.1e})")]
     Unequal {
-        /// What they are.
+        /// Name of the quantity.
         what: &'static str,
         /// Found.
         found: f64,
@@ -96,32 +96,31 @@ pub enum CheckError {
         /// Allowed difference.
         tolerance: f64,
     },
-    /// Dissipation below zero.
+    /// The dissipation is negative.
     #[error("the step dissipates {0:.3e} N/mm²")]
     Dissipation(f64),
-    /// Kinks wherever one looks: the check of the tangent says nothing.
+    /// Too many points lie near a kink for the check of the tangent to be meaningful.
     #[error("{kinks} of {points} points are within a difference of a kink")]
     Kinks {
-        /// Points where differences of two sizes disagree.
+        /// Points where finite differences of two sizes disagree.
         kinks: usize,
-        /// Points in all.
+        /// Total number of points.
         points: usize,
     },
 }
 
-/// Tangents may differ by this part of C₀ from differences, whose own error is some 1e-8 of it.
+/// Allowed deviation of tangents from finite differences, relative to C₀; the differences err by some 1e-8.
 const TANGENT: f64 = 1e-5;
-/// Differences of one size and of half of it agree to this part of C₀ unless a kink is between.
+/// Finite differences of one size and of half of it agree within this fraction of C₀ unless there is a kink between.
 const KINK: f64 = 1e-6;
-/// Strain of a difference over that of a step.
+/// Strain of a finite difference divided by that of a step.
 const DIFFERENCE: f64 = 1e-4;
-/// Some thousand roundings of stresses and energies, over those of an elastic step of the same strain.
+/// Allowed rounding of stresses and energies, relative to those of an elastic step of the same strain.
 const ROUNDING: f64 = 1e-9;
 
-/// All checks of this module.
+/// Runs all checks of this module.
 ///
-/// # Errors
-/// The first that fails.
+/// # Errors The first failure.
 pub fn all(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     form(law, paths)?;
     balance(law, paths)?;
@@ -130,10 +129,9 @@ pub fn all(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     tangent(law, paths)
 }
 
-/// Consistent tangents against central differences.
+/// Compares consistent tangents with central differences.
 ///
-/// # Errors
-/// The first that differs; or kinks at more than a tenth of all points.
+/// # Errors The first difference, or kinks at more than a tenth of all points.
 pub fn tangent(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let stiffness = stiffness(law);
     let h = DIFFERENCE * paths.strain;
@@ -188,10 +186,9 @@ pub fn tangent(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     })
 }
 
-/// (1): what the history says of the stress.
+/// Checks (1): the stress follows from the history.
 ///
-/// # Errors
-/// The first step where it says something else.
+/// # Errors The first step with a different stress.
 pub fn form(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     follow(law, paths, |at| {
         let h = &at.new.history;
@@ -208,10 +205,9 @@ pub fn form(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     })
 }
 
-/// (2): elastic energy and dissipation against the work of the step.
+/// Checks (2): elastic energy and dissipation equal the work of the step.
 ///
-/// # Errors
-/// The first step that loses or gains energy.
+/// # Errors The first step with an energy error.
 pub fn balance(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let mut elastic = 0.0;
     let mut before = Vector6::zeros();
@@ -229,10 +225,9 @@ pub fn balance(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     })
 }
 
-/// (3).
+/// Checks (3): the dissipation is not negative.
 ///
-/// # Errors
-/// The first step that gives energy away.
+/// # Errors The first step with negative dissipation.
 pub fn dissipation(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     follow(law, paths, |at| {
         let (old, new) = (at.old, &at.new.history);
@@ -252,10 +247,9 @@ pub fn dissipation(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure
     })
 }
 
-/// Stresses of a turned path against turned stresses.
+/// Compares the stresses of a rotated path with rotated stresses.
 ///
-/// # Errors
-/// The first step where they differ.
+/// # Errors The first difference.
 pub fn objectivity(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let turn = *Rotation3::from_euler_angles(0.4, -0.9, 1.7).matrix();
     let mut other = MaterialHistory::default();
@@ -272,7 +266,7 @@ pub fn objectivity(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure
         let answer = answer.map_err(CheckError::Law)?;
         other = answer.history;
         let expected = turned(&turn, &at.new.stress, 1.0);
-        // Softening carries a rounding from step to step and may double it in each.
+        // Softening transfers rounding errors from step to step and may double them each time.
         let tolerance = 1e3 * ROUNDING * stiffness(law) * at.strain.amax();
         equal(
             "stress of the turned path",
@@ -283,7 +277,7 @@ pub fn objectivity(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure
     })
 }
 
-/// A step of a path.
+/// One step of a path.
 struct At<'a> {
     path: usize,
     step: usize,
@@ -292,7 +286,7 @@ struct At<'a> {
     new: &'a Response,
 }
 
-/// Takes the law along all paths.
+/// Drives the law along all paths.
 fn follow(
     law: &dyn SolidLaw,
     paths: &Paths,
@@ -308,7 +302,7 @@ fn follow(
         let mut strain = Vector6::zeros();
         let mut direction = random.direction();
         for step in 0..paths.steps {
-            // One step in eight goes elsewhere: half of these back, the others anywhere.
+            // Every eighth step leaves the direction: half of these steps reverse it, the others take a random one.
             match random.below(16) {
                 0 => direction = -direction,
                 1 => direction = random.direction(),
@@ -368,7 +362,7 @@ fn equal(
     pairs.try_for_each(|(found, expected)| close(what, *found, *expected, tolerance))
 }
 
-/// Q v Qᵀ of Voigt components whose shear is `shear`⁻¹ times that of the tensor.
+/// Q v Qᵀ for Voigt components whose shear components are 1/`shear` times those of the tensor.
 fn turned(q: &Matrix3<f64>, v: &Vector6<f64>, shear: f64) -> Vector6<f64> {
     let (a, b, c) = (shear * v[3], shear * v[4], shear * v[5]);
     let m = q * Matrix3::new(v[0], a, c, a, v[1], b, c, b, v[2]) * q.transpose();
@@ -376,7 +370,7 @@ fn turned(q: &Matrix3<f64>, v: &Vector6<f64>, shear: f64) -> Vector6<f64> {
     Vector6::new(m[(0, 0)], m[(1, 1)], m[(2, 2)], a, b, c)
 }
 
-/// SplitMix64 of G. Steele, D. Lea and C. Flood (2014): the same numbers everywhere.
+/// SplitMix64 of G. Steele, D. Lea and C. Flood (2014): the same numbers on every machine.
 struct Random(u64);
 
 impl Random {
@@ -392,12 +386,12 @@ impl Random {
         self.next() % count
     }
 
-    /// From -1 to 1.
+    /// Uniform in −1 to 1.
     fn signed(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// A strain of length one, now with one sign of its volume, now with the other.
+    /// A random strain of unit length, with volume changes of both signs.
     fn direction(&mut self) -> Vector6<f64> {
         let volume = 0.5 * self.signed();
         let mut v = Vector6::from_fn(|_, _| self.signed());

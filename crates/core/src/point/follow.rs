@@ -1,4 +1,4 @@
-//! A whole path, row by row.
+//! A point driven along a whole path, row by row.
 
 use std::num::NonZeroUsize;
 
@@ -9,40 +9,39 @@ use super::search::{Answer, PointFailure, State, advance};
 use super::{Row, Target};
 use crate::material::{LocalFailure, Material, MaterialHistory, SolidLaw};
 
-/// What a point answers to one row.
+/// Result of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<const N: usize, H> {
-    /// The point at the end of the row.
+    /// State at the end of the row.
     pub state: State<N, H>,
-    /// Consistent tangent of its last implicit step, dσ/dε [MPa] or dt/dg [N/mm³], of all components
-    /// whether driven by strain or by stress; unsymmetric in general. `[of][by]`
+    /// Consistent tangent of the last implicit step, dσ/dε [MPa] or dt/dg [N/mm³], for all components, whether driven
+    /// by strain or by stress; unsymmetric in general. `[of][by]`
     pub tangent: SMatrix<f64, N, N>,
 }
 
-/// A row without an answer.
+/// A row that could not be completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowFailure<const N: usize> {
-    /// Its number, from 0.
+    /// Number of the row, from 0.
     pub row: usize,
-    /// What became of it.
+    /// The reason.
     pub why: PointFailure<N>,
 }
 
-/// A point along a whole path.
+/// Results of a whole path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Walk<const N: usize, H> {
-    /// Answers to the rows, all of them or those before the one that has none.
+    /// Results of the completed rows.
     pub records: Vec<Record<N, H>>,
-    /// The row that has none, where there is one.
+    /// The failed row, if any.
     pub failure: Option<RowFailure<N>>,
 }
 
-/// Takes a point along `rows`, each in `substeps` implicit steps, and hands every answer to `take` with the
-/// number of its row. Gives the state at the end.
+/// Drives a point along `rows`, each in `substeps` implicit steps, and passes each result to `take` with the number
+/// of its row. Returns the final state.
 ///
-/// # Errors
-/// [`RowFailure`]: a target or a time that is not finite, time that runs backwards, a law without an answer,
-/// stresses beyond the strength. The rows before it have been handed over.
+/// # Errors [`RowFailure`]: a target or a time is not finite, time decreases, the law has no solution, or the
+/// stresses exceed the strength. The rows before it have been passed to `take`.
 pub fn follow<const N: usize, H: Copy>(
     law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
     from: State<N, H>,
@@ -60,7 +59,7 @@ pub fn follow<const N: usize, H: Copy>(
     Ok(state)
 }
 
-/// Whether a row can be taken by a point that is at the time `from` [s].
+/// Checks that a row is valid for a point at the time `from` [s].
 fn sound<const N: usize>(row: &Row<N>, from: f64) -> Result<(), PointFailure<N>> {
     let finite = |target: &Target| match target {
         Target::Strain(value) | Target::Stress(value) => value.is_finite(),
@@ -75,7 +74,7 @@ fn sound<const N: usize>(row: &Row<N>, from: f64) -> Result<(), PointFailure<N>>
     Ok(())
 }
 
-/// [`follow`] for a law of the solids; strains and stresses in engineering Voigt.
+/// [`follow`] for a solid law; strains and stresses in engineering Voigt notation.
 ///
 /// # Errors
 /// As [`follow`].
@@ -97,10 +96,10 @@ pub fn follow_material(
     follow(&update, from, rows, substeps, take)
 }
 
-/// [`follow`] for a law of the interfaces: opening and two slips [mm], normal traction and two of shear.
+/// [`follow`] for a joint law: opening and two slips [mm], normal and two shear tractions [MPa].
 ///
 /// # Errors
-/// As [`follow`]; the law itself answers to everything finite.
+/// As [`follow`]; the law itself has a response to every finite gap.
 pub fn follow_interface(
     law: &(impl JointLaw + ?Sized),
     from: State<3, InterfaceHistory>,
@@ -121,7 +120,7 @@ pub fn follow_interface(
     follow(&update, from, rows, substeps, take)
 }
 
-/// A virgin material point along a whole path.
+/// A material point driven along a whole path from its initial state.
 pub fn material_path(
     law: &Material,
     rows: &[Row<6>],
@@ -134,7 +133,7 @@ pub fn material_path(
     Walk { records, failure }
 }
 
-/// A virgin interface point along a whole path.
+/// An interface point driven along a whole path from its initial state.
 pub fn interface_path(
     law: &(impl JointLaw + ?Sized),
     rows: &[Row<3>],
@@ -147,8 +146,8 @@ pub fn interface_path(
     Walk { records, failure }
 }
 
-/// What is told of a material point, in the order of [`MATERIAL`](super::MATERIAL): hardening κ_t, κ_c,
-/// damage d_t, d_c, d [-].
+/// State variables of a material point in the results, in the order of [`MATERIAL`](super::MATERIAL): hardening κ_t,
+/// κ_c, damage d_t, d_c, d [-].
 pub fn material_state(history: &MaterialHistory) -> [f64; 5] {
     [
         history.kappa_t,
@@ -159,19 +158,21 @@ pub fn material_state(history: &MaterialHistory) -> [f64; 5] {
     ]
 }
 
-/// What is told of an interface point, in the order of [`INTERFACE`](super::INTERFACE): damage D [-].
+/// State variables of an interface point in the results, in the order of [`INTERFACE`](super::INTERFACE): damage D
+/// [-].
 pub fn interface_state(history: &InterfaceHistory) -> [f64; 1] {
     [history.damage]
 }
 
-/// The state of a material point with the outputs of its law, in the order of
+/// State variables of a material point followed by the outputs of its law, in the order of
 /// [`material_layout`](super::material_layout).
 pub fn material_outputs(law: &dyn SolidLaw, history: &MaterialHistory) -> Vec<f64> {
     let outputs = law.outputs().iter().map(|output| output.slot.of(history));
     material_state(history).into_iter().chain(outputs).collect()
 }
 
-/// The state of an interface point with the outputs of its law, in the order of [`interface_layout`](super::interface_layout).
+/// State variables of an interface point followed by the outputs of its law, in the order of
+/// [`interface_layout`](super::interface_layout).
 pub fn interface_outputs(law: &(impl JointLaw + ?Sized), history: &InterfaceHistory) -> Vec<f64> {
     let outputs = law.outputs().iter().map(|output| output.of(history));
     interface_state(history)

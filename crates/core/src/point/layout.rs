@@ -1,4 +1,4 @@
-//! Names of the components and results of a point, in tables and on the command line.
+//! Names of a point's components and results, in tables and on the command line.
 
 use std::borrow::Cow;
 
@@ -6,20 +6,20 @@ use wythe_contact::JointLaw;
 
 use crate::material::SolidLaw;
 
-/// Names of the components of a point and of their columns.
+/// Names of the components of a point and of the columns of its results.
 #[derive(Debug)]
 pub struct Layout<const N: usize> {
-    /// As `--stress` names them.
+    /// Names of the components, as in `--stress`.
     pub components: [&'static str; N],
-    /// Columns of strains or gaps.
+    /// Columns of the strains or gaps.
     pub strains: [&'static str; N],
-    /// Columns of stresses or tractions.
+    /// Columns of the stresses or tractions.
     pub stresses: [&'static str; N],
-    /// Columns of its further results.
+    /// Columns of the state variables.
     pub state: Cow<'static, [&'static str]>,
 }
 
-/// A material point: engineering Voigt. Its state is [`material_state`](super::material_state).
+/// A material point in engineering Voigt notation. Its state is [`material_state`](super::material_state).
 pub const MATERIAL: Layout<6> = Layout {
     components: ["xx", "yy", "zz", "xy", "yz", "zx"],
     strains: ["eps_xx", "eps_yy", "eps_zz", "gam_xy", "gam_yz", "gam_zx"],

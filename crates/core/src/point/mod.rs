@@ -1,7 +1,9 @@
-//! One material or interface point along a path: strains given, or found for given stresses. Pure: a law,
-//! rows of targets in, states and tangents out; nothing is kept between calls.
+//! One material or interface point driven along a path of prescribed strains or stresses. The functions are pure:
+//! they map a law and rows of targets to states and tangents.
 //!
-//! [`material_path`] and [`interface_path`] take a virgin point along a whole path, [`follow_material`] and
+//! [`material_path`] and [`interface_path`] drive a point along a whole path from its initial state.
+//! [`follow_material`] and [`follow_interface`] start from any state and return row by row. [`checks`] supports tests
+//! of laws.
 //! [`follow_interface`] hand over row by row, from any state on. [`checks`] are for tests of laws.
 
 pub mod checks;
@@ -16,20 +18,20 @@ pub use follow::{
 pub use layout::{INTERFACE, Layout, MATERIAL, interface_layout, material_layout};
 pub use search::{Answer, Limit, PointFailure, State, advance};
 
-/// What one component is told to do in a row.
+/// Prescribed value of one component in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
-    /// Take this strain [-] or gap [mm].
+    /// This strain [-] or gap [mm].
     Strain(f64),
-    /// Take the strain that gives this stress [MPa].
+    /// The strain that gives this stress [MPa].
     Stress(f64),
 }
 
-/// One row of a path. Targets and time grow linearly from where the point is.
+/// One row of a path. Targets and time change linearly from the state of the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize> {
     /// Time at its end [s].
     pub time: f64,
-    /// What the components do.
+    /// Targets of the components.
     pub targets: [Target; N],
 }

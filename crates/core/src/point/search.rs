@@ -1,12 +1,13 @@
-//! The point driver: strains given, or found for given stresses, one implicit step a row.
+//! The point driver: one implicit step per row, with prescribed strains, or with strains found for prescribed
+//! stresses.
 //!
-//! Of the components some are driven by strain, the others (free, index f) by stress. A step solves
+//! Some components are driven by strain, the others (free, index f) by stress. A step solves
 //!
 //! r_f = σ_f(ε) − σ̂_f = 0,   Δε_f = −D_ff⁻¹ r_f
 //!
-//! with D the consistent tangent of the law. Only the search is cut back where Newton fails, by
-//! going to the target in parts; the history always steps once from the old state to the new. Where
-//! the parts shrink to nothing the stresses cannot be met any further: the strength of the point.
+//! with the consistent tangent D of the law. If Newton's method fails, the search approaches the target in smaller
+//! parts. The history always takes a single step from the old to the new state. If the parts become too small, the
+//! stresses cannot be reached: the point is at its strength.
 
 use std::num::NonZeroUsize;
 
@@ -15,21 +16,21 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use super::{Layout, Record, Row, Target};
 use crate::material::LocalFailure;
 
-/// Largest |σ_f − σ̂_f| [MPa]. Stresses of some 10 MPa come from strains times 10⁴ MPa in f64, which
-/// leaves about 1e-14.
+/// Largest |σ_f − σ̂_f| [MPa]. Rounding leaves about 1e-14 MPa, since stresses of some 10 MPa come from strains times
+/// 10⁴ MPa.
 const TOLERANCE: f64 = 1e-10;
 const ITERATIONS: usize = 50;
-/// Halvings of one Newton step.
+/// Largest number of halvings of one Newton step.
 const HALVINGS: i32 = 12;
-/// Least part of the way to the target that is tried, 2⁻³⁶.
+/// Smallest part of the path to the target that is tried, 2⁻³⁶.
 const LEAST_PART: f64 = 1.0 / (1_u64 << 36) as f64;
 
-/// What a law answers to a strain.
+/// Response of a law to a strain.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer<const N: usize, H> {
     /// Stress or traction [MPa].
     pub stress: SVector<f64, N>,
-    /// Its derivative by the strain or gap.
+    /// Derivative of the stress by the strain, or of the traction by the gap.
     pub tangent: SMatrix<f64, N, N>,
     /// History at the end of the step.
     pub history: H,
@@ -49,7 +50,7 @@ pub struct State<const N: usize, H> {
 }
 
 impl<const N: usize, H> State<N, H> {
-    /// Nothing has happened yet.
+    /// Initial state at zero strain and stress.
     pub fn at_rest(history: H) -> Self {
         Self {
             strain: SVector::zeros(),
@@ -60,33 +61,33 @@ impl<const N: usize, H> State<N, H> {
     }
 }
 
-/// No answer to a row.
+/// Reason why a row has no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointFailure<const N: usize> {
-    /// The law itself had none.
+    /// The law returned an error.
     Law(LocalFailure),
-    /// No strain gives the stresses asked for; this is as far as the row could be followed.
+    /// No strain gives the prescribed stresses; the limit is the last state that was reached.
     Beyond(Limit<N>),
     /// A target is not a finite number.
     NotFinite {
-        /// Of this component, from 0.
+        /// Index of the component, from 0.
         component: usize,
     },
-    /// The row ends before it begins, or at no time at all.
+    /// The row ends before it begins, or its time is not finite.
     Time {
-        /// Where the point is [s].
+        /// Time of the point [s].
         from: f64,
-        /// What the row says [s].
+        /// Time of the row [s].
         to: f64,
     },
 }
 
-/// The end of the way on which stresses could be met.
+/// The last state at which the prescribed stresses were reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit<const N: usize> {
-    /// Part of the row.
+    /// Fraction of the row.
     pub fraction: f64,
-    /// Stress or traction there [MPa].
+    /// Stress or traction at this state [MPa].
     pub stress: SVector<f64, N>,
 }
 
@@ -97,7 +98,7 @@ impl<const N: usize> From<LocalFailure> for PointFailure<N> {
 }
 
 impl<const N: usize> PointFailure<N> {
-    /// What became of `row`, in the words of its columns.
+    /// Description of the failure with the names of the columns.
     pub fn explain(&self, row: &Row<N>, layout: &Layout<N>) -> String {
         let limit = match self {
             Self::Law(why) => return format!("the law has no answer: {why}"),
@@ -135,17 +136,17 @@ impl<const N: usize> PointFailure<N> {
     }
 }
 
-/// Seven digits.
+/// The number with seven digits.
 fn short(value: f64) -> String {
     let rounded = format!("{value:.6e}").parse::<f64>().unwrap_or(value);
     format!("{rounded:?}")
 }
 
-/// Takes the point through one row in `substeps` implicit steps, targets and time growing linearly
-/// from where the point is. Allocates only where a stress is driven.
+/// Drives the point through one row in `substeps` implicit steps. Targets and time change linearly from the state of
+/// the point. Allocates only if a stress is prescribed.
 ///
 /// # Errors
-/// [`PointFailure`]: the law has no answer, or no strain gives the stresses asked for.
+/// [`PointFailure`]: the law has no solution, or no strain gives the prescribed stresses.
 pub fn advance<const N: usize, H: Copy>(
     law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
     from: &State<N, H>,
@@ -161,7 +162,7 @@ pub fn advance<const N: usize, H: Copy>(
         let update = |strain: &SVector<f64, N>| law(strain, &state.history, dt);
         let (strain, answer) =
             step(&update, &state, &targets).map_err(|failure| match failure {
-                // Of the sub-step it is a part, of the row another.
+                // Convert the fraction of the substep to that of the row.
                 PointFailure::Beyond(limit) => PointFailure::Beyond(Limit {
                     fraction: ((k - 1) as f64 + limit.fraction) / substeps as f64,
                     ..limit
@@ -183,21 +184,21 @@ pub fn advance<const N: usize, H: Copy>(
     Ok(Record { state, tangent })
 }
 
-/// Targets at the fraction `t` of the way from the state.
+/// Targets at the fraction `t` between state and row.
 fn between<const N: usize, H>(from: &State<N, H>, targets: &[Target; N], t: f64) -> [Target; N] {
     std::array::from_fn(|i| match targets[i] {
-        // At the end exactly what the path says.
+        // At the end use the target of the row exactly.
         target if t == 1.0 => target,
         Target::Strain(e) => Target::Strain(from.strain[i] + t * (e - from.strain[i])),
         Target::Stress(s) => Target::Stress(from.stress[i] + t * (s - from.stress[i])),
     })
 }
 
-/// A strain that gives the stresses asked for, and what the law answers to it.
+/// A strain that gives the prescribed stresses, and the response of the law to it.
 type Found<const N: usize, H> = (SVector<f64, N>, Answer<N, H>);
 
-/// One implicit step: the search goes straight to the target, and where it finds nothing in parts
-/// that shrink and grow. Where they shrink to nothing the stresses cannot be met any further.
+/// One implicit step. The search first tries the whole target. If it fails, it approaches the target in parts that
+/// shrink after a failure and grow after a success. If the parts become too small, the stresses cannot be reached.
 fn step<const N: usize, H: Copy>(
     update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
     from: &State<N, H>,
@@ -209,7 +210,7 @@ fn step<const N: usize, H: Copy>(
     };
     let (mut strain, mut part) = (from.strain, 1.0);
     loop {
-        // Binary fractions: the sum of the parts is exactly 1 at the end.
+        // The parts are binary fractions, so that their sum is exactly 1 at the end.
         let t = limit.fraction + part;
         match search(update, strain, &between(from, targets, t)) {
             Ok(Some(found)) if t == 1.0 => return Ok(found),
@@ -219,7 +220,7 @@ fn step<const N: usize, H: Copy>(
                     fraction: t,
                     stress: answer.stress,
                 };
-                // A part twice as large must still end at 1 or before, on its own grid.
+                // A doubled part must not pass 1 and must stay on its own binary grid.
                 while part < 1.0 - t && (t / (2.0 * part)).fract() == 0.0 {
                     part *= 2.0;
                 }
@@ -231,7 +232,7 @@ fn step<const N: usize, H: Copy>(
     }
 }
 
-/// Newton with halving from `strain`; none if it finds nothing.
+/// Newton's method with step halving from `strain`; `None` if it does not converge.
 fn search<const N: usize, H: Copy>(
     update: &impl Fn(&SVector<f64, N>) -> Result<Answer<N, H>, LocalFailure>,
     mut strain: SVector<f64, N>,
@@ -264,7 +265,7 @@ fn search<const N: usize, H: Copy>(
         let Some(direction) = tangent.lu().solve(&r) else {
             break;
         };
-        // Within the tolerance only what a whole step still mends: rounding is soon reached.
+        // Within the tolerance only full steps are tried, because rounding is reached soon.
         let halvings = if r.amax() <= TOLERANCE { 0 } else { HALVINGS };
         let better = (0..=halvings).find_map(|halving| {
             let mut trial = strain;
@@ -273,7 +274,7 @@ fn search<const N: usize, H: Copy>(
             }
             let new = update(&trial).ok()?;
             let new_r = residual(&new);
-            // NaN is not smaller.
+            // A comparison with NaN is false.
             (new_r.norm() < r.norm()).then_some((trial, new, new_r))
         });
         match better {
@@ -289,8 +290,7 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix2, Vector2};
 
-    /// A stiff spring beside a hardening one that yields at 1 MPa, weakly coupled. Its history is
-    /// the time that has passed.
+    /// A stiff spring and a hardening spring that yields at 1 MPa, weakly coupled. The history is the elapsed time.
     fn law(strain: &Vector2<f64>, passed: &f64, dt: f64) -> Result<Answer<2, f64>, LocalFailure> {
         let (stiff, hardened) = (1000.0, 10.0);
         let trial = stiff * strain[1];
@@ -343,7 +343,7 @@ mod tests {
         let often = advance(&law, &from, &row(2.0, targets), steps(4))
             .unwrap()
             .state;
-        // The law keeps no memory: both ends agree within the solver's tolerance over the slope.
+        // The law has no memory: both ends agree within the tolerance of the search divided by the slope.
         assert!((often.strain - once.strain).amax() < 1e-10);
         assert!((often.history - 2.0).abs() < 1e-12);
     }
@@ -365,7 +365,7 @@ mod tests {
         let PointFailure::Beyond(limit) = failure else {
             panic!("{failure:?}")
         };
-        // The way to 1.5 MPa ends at 1 MPa; bisection leaves 2^-36 of it, the tolerance 1e-10 MPa.
+        // The path to 1.5 MPa ends at 1 MPa. Bisection leaves 2^-36 of the path, the tolerance is 1e-10 MPa.
         assert!((limit.fraction - 1.0 / 1.5).abs() < 1e-9, "{limit:?}");
         assert!((limit.stress[1] - 1.0).abs() < 1e-9, "{limit:?}");
     }

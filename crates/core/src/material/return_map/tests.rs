@@ -1,4 +1,4 @@
-//! The explicit way along μ against the general one.
+//! Comparison of the explicit solution in μ with the general one.
 
 use super::*;
 use crate::material::DamagePlasticityParameters;
@@ -24,7 +24,7 @@ fn laws() -> Vec<DamagePlasticity> {
     ]
 }
 
-/// Trial states of all sizes, hydrostatic and without mean stress among them.
+/// Trial states of all sizes, including hydrostatic states and states without mean stress.
 fn trials() -> Vec<TrialStress> {
     let mut trials = Vec::new();
     for size in [1e-3, 1.0, 4.0, 12.0, 60.0, 900.0_f64] {
@@ -51,7 +51,7 @@ fn trials() -> Vec<TrialStress> {
     trials
 }
 
-/// The explicit way and the one that closes a bracket find the same root, and the first is the usual one.
+/// Both solutions find the same root, and the explicit one nearly always converges.
 #[test]
 fn both_ways_to_the_root_agree() {
     let (mut explicit, mut all) = (0, 0);
@@ -66,13 +66,13 @@ fn both_ways_to_the_root_agree() {
             let tolerance = (1e-12 * 11.0_f64).max(rounding);
             let slow = law.bracketed(&trial, &start, tolerance).expect("a root");
             let Some(found) = law.along_curve(&trial, &start, tolerance) else {
-                // Near the apex of the potential, where f is not straight in μ.
+                // The exceptions lie near the apex of the potential, where f is curved in μ.
                 assert!(trial.q == 0.0 || slow.eta < 0.3, "{trial:?} {slow:?}");
                 continue;
             };
             explicit += 1;
             assert!(found.f.abs() <= tolerance && slow.f.abs() <= tolerance);
-            // Stresses stiffer than 1e-3 of E: the tolerance of f over that, and roundings of the trial.
+            // Slopes exceed 1e-3 E: tolerance is that of f over the slope, plus rounding of the trial stress.
             let close = 1e3 * (tolerance + rounding);
             for (a, b) in found.stress.iter().zip(slow.stress) {
                 assert!((a - b).abs() <= close, "{trial:?}: {found:?} {slow:?}");
@@ -84,7 +84,7 @@ fn both_ways_to_the_root_agree() {
     assert!(2 * explicit > all, "{explicit} of {all}");
 }
 
-/// df/dμ is that of the general derivatives: −f_λ/η_λ.
+/// df/dμ equals −f_λ/η_λ from the general derivatives.
 #[test]
 fn the_fall_is_the_slope_along_mu() {
     for law in laws() {
@@ -94,7 +94,7 @@ fn the_fall_is_the_slope_along_mu() {
                 let slope = law.slope(&trial, &p, &Variation::along_lambda());
                 let general = -slope.f[0] / slope.eta[0];
                 let own = law.fall(&trial, &p);
-                // Roundings of sums of some terms.
+                // Tolerance: rounding of the sums.
                 let terms = trial.q + law.bulk * law.dilation / slope.eta[0].abs() + general.abs();
                 assert!(
                     (own - general).abs() <= 1e-11 * terms,

@@ -4,7 +4,7 @@ use wythe_contact::CohesiveFrictional;
 
 const ONCE: NonZeroUsize = NonZeroUsize::MIN;
 
-/// A joint with friction that falls from 0.8 to 0.7 with its bond.
+/// A joint whose friction decreases from 0.8 to 0.7 with its bond.
 fn joint() -> CohesiveFrictional {
     CohesiveFrictional {
         f_t: 0.3,
@@ -35,7 +35,7 @@ fn rows<const N: usize>(targets: impl IntoIterator<Item = [Target; N]>) -> Vec<R
         .collect()
 }
 
-/// Pressed, sheared forth and back, opened.
+/// Compression, then shear in both directions, then opening.
 fn shear_path() -> Vec<Row<3>> {
     rows((0..60).map(|i| {
         let t = f64::from(i);
@@ -81,15 +81,16 @@ fn a_path_may_be_taken_up_where_it_was_left() {
 #[test]
 fn tangents_are_the_slopes_of_the_answers() {
     let law = brick();
-    // Beyond the peaks in tension (xx) and with shear, so that it yields.
+    // Beyond the peaks in tension (xx) and with shear, so that the point yields.
     let along = |e: f64| [e, -0.2 * e, -0.1 * e, 0.4 * e, 0.1 * e, 0.0].map(Target::Strain);
     let rows = rows((1..=8).map(|i| along(1e-4 * f64::from(i))));
     let walk = material_path(&law, &rows, ONCE);
     let before = walk.records[6].state;
     let last = walk.records[7];
     assert!(material_state(&last.state.history)[0] > 1e-4);
-    // Central differences: stresses of some MPa are good to 1e-15 of that, over 2e-9 some 1e-6 MPa, where
-    // slopes are 1e3 MPa. The answers are smooth there, and 1e-9 squared is nothing beside the strains.
+    // Central differences: stresses of some MPa have rounding errors of 1e-15 of that. Divided by 2e-9 this gives
+    // 1e-6 MPa, and slopes are 1e3 MPa. The response is smooth there, and 1e-9 squared is negligible beside the
+    // strains.
     let h = 1e-9;
     for j in 0..6 {
         let stress = |sign: f64| {
@@ -106,7 +107,7 @@ fn tangents_are_the_slopes_of_the_answers() {
     }
 }
 
-/// Free sides: σ = E ε, with E of the template.
+/// Uniaxial stress: σ = E ε with E of the template.
 #[test]
 fn stresses_that_are_asked_for_are_met() {
     let law = brick();
@@ -115,7 +116,7 @@ fn stresses_that_are_asked_for_are_met() {
     let walk = material_path(&law, &rows, ONCE);
     for record in &walk.records {
         let state = record.state;
-        // The driver's tolerance, 1e-10 MPa, of some MPa.
+        // The tolerance of the driver is 1e-10 MPa, the stress some MPa.
         assert!((state.stress[0] / state.strain[0] - 16700.0).abs() < 1e-5);
         assert!(state.stress.rows(1, 5).amax() <= 1e-10);
         assert_eq!(material_state(&state.history), [0.0; 5]);
@@ -133,7 +134,7 @@ fn what_has_no_answer_is_told_by_its_row_and_the_rows_before_are_kept() {
         panic!("{failure:?}")
     };
     assert_eq!(failure.row, 2);
-    // Half the way from 0.2 to 0.4 MPa; the search leaves its tolerance over the stiffness of f_t's tip.
+    // Half of the way from 0.2 to 0.4 MPa. The error is the search tolerance over the stiffness near f_t.
     assert!((limit.fraction - 0.5).abs() < 1e-6, "{limit:?}");
 
     let mut unsound = shear_path();
