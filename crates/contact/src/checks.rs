@@ -135,7 +135,8 @@ pub struct Tangents {
 /// Compares the tangent with finite differences of the traction over `h` [mm]. At corners of the law one of the
 /// one-sided differences must agree. `tolerance` is relative to the larger elastic stiffness.
 ///
-/// # Errors A column that agrees neither with the central difference nor with a one-sided difference.
+/// # Errors
+/// A column that agrees neither with the central difference nor with a one-sided difference.
 pub fn tangent(
     law: &dyn JointLaw,
     path: &Path,
@@ -177,7 +178,8 @@ pub fn tangent(
 /// Follows the path rotated in the tangential plane by `angle` [rad], once plain and once mirrored, and compares the
 /// responses.
 ///
-/// # Errors A traction that differs by more than `tolerance` times the largest traction of the path, or a slot that
+/// # Errors
+/// A traction that differs by more than `tolerance` times the largest traction of the path, or a slot that
 /// differs by more than `tolerance` times the largest slot.
 pub fn objectivity(
     law: &dyn JointLaw,
@@ -223,7 +225,8 @@ pub fn objectivity(
 ///
 /// Returns work and dissipation of the path [N/mm].
 ///
-/// # Errors A step whose balance error exceeds `tolerance` times the largest energy of the path so far, or whose
+/// # Errors
+/// A step whose balance error exceeds `tolerance` times the largest energy of the path so far, or whose
 /// dissipation is more negative than that.
 pub fn dissipation(law: &dyn JointLaw, path: &Path, tolerance: f64) -> Result<[f64; 2], Failed> {
     let mut at = [0.0; 3];

@@ -120,7 +120,8 @@ fn strain_of(i: usize, g: &Vector3<f64>) -> Vector6<f64> {
 impl ElementShape {
     /// Precomputes the element with these reference corners [mm].
     ///
-    /// # Errors [`ShapeError`] if the Jacobian is not positive at a Gauss point or at the centroid.
+    /// # Errors
+    /// [`ShapeError`] if the Jacobian is not positive at a Gauss point or at the centroid.
     #[expect(
         clippy::too_many_lines,
         reason = "the precomputed tables of an element, one after the other"

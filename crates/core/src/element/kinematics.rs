@@ -72,7 +72,8 @@ pub fn green_strain(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Matrix3<f64> {
 impl Corotated {
     /// Rotated frame of an element with current corner positions `x` [mm]. `[node][xyz]`
     ///
-    /// # Errors [`LocalFailure::Inverted`] if the element is inverted or nearly collapsed,
+    /// # Errors
+    /// [`LocalFailure::Inverted`] if the element is inverted or nearly collapsed,
     /// [`LocalFailure::StrainNotFinite`] if the positions are not finite.
     #[inline(always)]
     pub fn new(shape: &ElementShape, x: &[[f64; 3]; 8]) -> Result<Self, LocalFailure> {

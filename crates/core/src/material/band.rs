@@ -110,7 +110,8 @@ impl Curves {
     /// Curves for elements of the equivalent length `l_eq` [mm]. Without a length, or without `reference_length` in
     /// the parameters, the tables are used as given.
     ///
-    /// # Errors [`TableError`].
+    /// # Errors
+    /// [`TableError`].
     pub fn of_length(
         p: &DamagePlasticityParameters,
         l_eq: Option<f64>,

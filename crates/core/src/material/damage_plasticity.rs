@@ -51,7 +51,8 @@ impl DamagePlasticity {
     /// The law for elements of the equivalent length `l_eq` [mm]. Without a length, or without `reference_length` in
     /// the parameters, the tables are used as given.
     ///
-    /// # Errors [`TableError`].
+    /// # Errors
+    /// [`TableError`].
     /// [`TableError`].
     pub fn new(
         parameters: &DamagePlasticityParameters,
@@ -126,7 +127,8 @@ impl DamagePlasticity {
 
     /// One implicit step of duration `dt` [s] to the total strain.
     ///
-    /// # Errors [`LocalFailure`] if the strain is not finite or the return map finds no root.
+    /// # Errors
+    /// [`LocalFailure`] if the strain is not finite or the return map finds no root.
     pub fn update(
         &self,
         strain: &Vector6<f64>,

@@ -113,7 +113,8 @@ impl DruckerPrager {
     /// The law for elements of the equivalent length `l_eq` [mm]. `None` uses the `reference_length` of the
     /// parameters; if that is missing, too, there is no softening.
     ///
-    /// # Errors [`TableError::TooBrittle`] if the softening would snap back in an element of this size.
+    /// # Errors
+    /// [`TableError::TooBrittle`] if the softening would snap back in an element of this size.
     pub fn new(p: &DruckerPragerParameters, l_eq: Option<f64>) -> Result<Self, TableError> {
         let eta = slope(p.friction_angle);
         let (f_t, f_c) = (p.tensile_strength, p.compressive_strength());

@@ -65,7 +65,8 @@ impl Material {
     /// The law of a material in elements of the equivalent length `l_eq` [mm] (theory/crack-band.md, eq. 1). `None`
     /// stands for a point without size, for which tables are used as given.
     ///
-    /// # Errors [`TableError`] with branch and row.
+    /// # Errors
+    /// [`TableError`] with branch and row.
     pub fn new(
         parameters: &MaterialParameters,
         l_eq: Option<f64>,
@@ -102,7 +103,8 @@ impl Material {
 
     /// One implicit step of duration `dt` [s] to the total strain (engineering Voigt).
     ///
-    /// # Errors [`LocalFailure`] if the law has no solution.
+    /// # Errors
+    /// [`LocalFailure`] if the law has no solution.
     pub fn update(
         &self,
         strain: &Vector6<f64>,
@@ -168,7 +170,8 @@ impl Material {
     /// [`Self::update`], with the tangent only where it is wanted. Within an element a user-defined law computes all
     /// points at once instead ([`SolidLaw::update_points`]).
     ///
-    /// # Errors [`LocalFailure`] if the law has no solution.
+    /// # Errors
+    /// [`LocalFailure`] if the law has no solution.
     #[inline(always)]
     pub(crate) fn step(
         &self,

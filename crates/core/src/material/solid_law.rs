@@ -139,7 +139,8 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
     /// One implicit step from the history `old` to the total strain [-]. The function must be pure, because a step is
     /// repeated many times before its history is accepted. A step that yields must increase `kappa_t` or `kappa_c`.
     ///
-    /// # Errors [`LocalFailure`] if there is no solution; the increment is then repeated with a smaller size.
+    /// # Errors
+    /// [`LocalFailure`] if there is no solution; the increment is then repeated with a smaller size.
     fn update(
         &self,
         strain: &Vector6<f64>,
@@ -155,7 +156,8 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
     /// The law for elements of the equivalent length `l_eq` [mm], in which softening dissipates a given energy per
     /// area of crack. `None`: the law does not depend on the size.
     ///
-    /// # Errors The reason why there is no law for elements of this size.
+    /// # Errors
+    /// The reason why there is no law for elements of this size.
     fn fitted(&self, l_eq: f64) -> Result<Option<Arc<dyn SolidLaw>>, String> {
         let _ = l_eq;
         Ok(None)
@@ -205,7 +207,8 @@ pub trait SolidLaw: Send + Sync + fmt::Debug {
     /// [`Self::update`] of those points of an element whose bit is set; the other responses are left unchanged.
     /// Default: one point after the other, without a virtual call for each.
     ///
-    /// # Errors The error of the first point that fails.
+    /// # Errors
+    /// The error of the first point that fails.
     fn update_points(
         &self,
         points: &Points<'_>,
@@ -271,7 +274,8 @@ impl Response {
 
     /// Checks that all numbers are finite; the tangent only if it is wanted.
     ///
-    /// # Errors [`LocalFailure::NotFinite`] with the name of the law.
+    /// # Errors
+    /// [`LocalFailure::NotFinite`] with the name of the law.
     pub fn checked(&self, law: &'static str, tangent: bool) -> Result<(), LocalFailure> {
         let finite = |v: &Vector6<f64>| v.iter().all(|x| x.is_finite());
         let h = &self.history;

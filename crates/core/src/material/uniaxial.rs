@@ -214,7 +214,8 @@ pub struct CurvePoint {
 impl Curve {
     /// Curve of a table for Young's modulus `e` [MPa] in an element of size `l_eq` [mm].
     ///
-    /// # Errors [`TableError`].
+    /// # Errors
+    /// [`TableError`].
     pub fn new(
         branch: Branch,
         rows: &[TableRow],
@@ -359,7 +360,8 @@ fn segments(nodes: &[Node]) -> Vec<Segment> {
 
 /// Checks the ranges of a table, independently of the element.
 ///
-/// # Errors [`TableError`] with the row.
+/// # Errors
+/// [`TableError`] with the row.
 #[expect(
     clippy::too_many_lines,
     reason = "one check after the other, each with its error"

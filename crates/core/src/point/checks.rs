@@ -120,7 +120,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Runs all checks of this module.
 ///
-/// # Errors The first failure.
+/// # Errors
+/// The first failure.
 pub fn all(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     form(law, paths)?;
     balance(law, paths)?;
@@ -131,7 +132,8 @@ pub fn all(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
 
 /// Compares consistent tangents with central differences.
 ///
-/// # Errors The first difference, or kinks at more than a tenth of all points.
+/// # Errors
+/// The first difference, or kinks at more than a tenth of all points.
 pub fn tangent(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let stiffness = stiffness(law);
     let h = DIFFERENCE * paths.strain;
@@ -188,7 +190,8 @@ pub fn tangent(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
 
 /// Checks (1): the stress follows from the history.
 ///
-/// # Errors The first step with a different stress.
+/// # Errors
+/// The first step with a different stress.
 pub fn form(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     follow(law, paths, |at| {
         let h = &at.new.history;
@@ -207,7 +210,8 @@ pub fn form(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
 
 /// Checks (2): elastic energy and dissipation equal the work of the step.
 ///
-/// # Errors The first step with an energy error.
+/// # Errors
+/// The first step with an energy error.
 pub fn balance(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let mut elastic = 0.0;
     let mut before = Vector6::zeros();
@@ -227,7 +231,8 @@ pub fn balance(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
 
 /// Checks (3): the dissipation is not negative.
 ///
-/// # Errors The first step with negative dissipation.
+/// # Errors
+/// The first step with negative dissipation.
 pub fn dissipation(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     follow(law, paths, |at| {
         let (old, new) = (at.old, &at.new.history);
@@ -249,7 +254,8 @@ pub fn dissipation(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure
 
 /// Compares the stresses of a rotated path with rotated stresses.
 ///
-/// # Errors The first difference.
+/// # Errors
+/// The first difference.
 pub fn objectivity(law: &dyn SolidLaw, paths: &Paths) -> Result<(), CheckFailure> {
     let turn = *Rotation3::from_euler_angles(0.4, -0.9, 1.7).matrix();
     let mut other = MaterialHistory::default();

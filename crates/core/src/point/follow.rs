@@ -40,7 +40,8 @@ pub struct Walk<const N: usize, H> {
 /// Drives a point along `rows`, each in `substeps` implicit steps, and passes each result to `take` with the number
 /// of its row. Returns the final state.
 ///
-/// # Errors [`RowFailure`]: a target or a time is not finite, time decreases, the law has no solution, or the
+/// # Errors
+/// [`RowFailure`]: a target or a time is not finite, time decreases, the law has no solution, or the
 /// stresses exceed the strength. The rows before it have been passed to `take`.
 pub fn follow<const N: usize, H: Copy>(
     law: &impl Fn(&SVector<f64, N>, &H, f64) -> Result<Answer<N, H>, LocalFailure>,
