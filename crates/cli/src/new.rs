@@ -43,7 +43,7 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
         path.display(),
         beside.display(),
         if arguments.from.is_some() {
-            "say what is left to say, "
+            "fill in the places marked in it, then "
         } else {
             ""
         }

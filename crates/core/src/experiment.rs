@@ -207,7 +207,7 @@ fn column(names: &csv::StringRecord, wanted: &Wanted) -> Result<(usize, f64), (S
                 listed(&mut places.iter().map(|&i| &names[i]))
             ),
             format!(
-                "call the one that is meant {}",
+                "rename the column to be read: {}",
                 wanted.own.replace("kn", "kN")
             ),
         )),

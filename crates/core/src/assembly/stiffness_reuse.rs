@@ -38,7 +38,8 @@ const FEW: f64 = 0.05;
 /// Stiffness in the cells of a slave facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Joint {
-    /// Whether the cells contain the stiffness of these points at their poses.
+    /// Whether the contact cells of the facet hold the stiffness of its points at the stored positions, so that it
+    /// can be used again.
     pub held: bool,
     /// One bit for each point with a master facet.
     pub seen: u8,

@@ -17,9 +17,9 @@ pub enum Kind {
 pub struct Touch {
     /// Kind.
     pub kind: Kind,
-    /// The node (corner) or the first edge.
+    /// A touch of a corner and a face: the node of the corner. A touch of two edges: the first edge.
     pub first: u32,
-    /// The facet that it lies on, or the second edge.
+    /// The facet that the corner lies on, or the second edge.
     pub second: u32,
     /// Facets of the first and of the second body between which the forces act.
     pub facets: [u32; 2],

@@ -8,7 +8,7 @@ use std::fmt::{self, Write as _};
 
 use super::python_random::PythonRandom;
 
-/// A wall of the zoo.
+/// A random wall of `wythe study zoo`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
     /// Seed of the random numbers.

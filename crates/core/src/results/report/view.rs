@@ -29,7 +29,8 @@ pub(super) struct View {
     pub corners: String,
     /// Boundary faces of the elements, one bit each. `[element]` u8
     pub faces: String,
-    /// Corners of the face of each bit. `[face][4]`
+    /// Corner numbers 0 to 7 of each of the six faces of an element, in the order of the bits in `faces`.
+    /// `[face][4]`
     pub hexahedron: [[usize; 4]; 6],
     /// Unit of each element, 0 to 65535. `[element]` u16
     pub unit: String,

@@ -29,7 +29,7 @@ pub(in crate::solve) struct Elastic {
 }
 
 impl Elastic {
-    /// Elastic version of a model with [`Fidelity::Elastic`].
+    /// Copy of a model whose solids are all linear elastic, for `fidelity = "elastic"` ([`Fidelity::Elastic`]).
     pub fn of(model: &Model) -> Self {
         let mut elastic = Model {
             fidelity: Fidelity::Auto,

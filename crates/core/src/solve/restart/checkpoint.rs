@@ -312,7 +312,7 @@ impl<'m> Run<'m> {
         let mut newton = Newton::new(model, step, &self.system, &self.state);
         let stopped = mark.is_stopped_in(step);
         if !newton.begin_from(mark.starts) || !newton.carry_on(mark.carried) {
-            return Err(unfit("the step began with other sizes"));
+            return Err(unfit("the state at the start of the step has other sizes"));
         }
         let has_mass = self.massless(step).is_none();
         let fallback = mark.fallback.of_step(model, step, has_mass);

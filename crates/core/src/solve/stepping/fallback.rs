@@ -145,7 +145,8 @@ impl Fallback {
         }
     }
 
-    /// Takes over this fallback in a resumed step; none if the step has other methods.
+    /// The list of procedures of a resumed step, at the procedure where the checkpoint was written. None if the
+    /// procedures of the step are others.
     pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
         let Self { choices, floor, .. } = Self::new(model, step, all_has_mass);
         let fits = self.choices == choices
