@@ -67,7 +67,7 @@ fn the_default_completes_every_case() {
 }
 
 #[test]
-fn every_penalty_gets_through_with_the_same_answer() {
+fn every_penalty_completes_with_the_same_result() {
     let mut cases = study::cases(&folder()).unwrap();
     cases.retain(|case| case.number == 17);
     let atlas = run(&cases, &[]);
@@ -91,7 +91,7 @@ fn a_wrong_reference_makes_a_completed_case_wrong() {
 }
 
 #[test]
-fn a_cell_whose_time_is_up_is_stopped_and_one_without_mass_is_not_run() {
+fn a_cell_beyond_its_time_is_stopped_and_one_without_mass_is_not_run() {
     let case = Case::from_str(CASE, "case.toml", &folder().join("17-penalties")).unwrap();
     let options = Options {
         methods: ["auto", "quasi_static"].map(str::to_owned).to_vec(),
@@ -134,7 +134,7 @@ fn refused(text: &str) -> (String, usize, String) {
 }
 
 #[test]
-fn a_wrong_case_is_told_with_its_line_and_the_fix() {
+fn an_invalid_case_is_reported_with_its_line_and_the_fix() {
     for (from, to, line, said, advice) in [
         (
             "title",

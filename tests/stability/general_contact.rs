@@ -212,7 +212,7 @@ fn beam_across(over: f64, height: f64) -> (Model, Recording, f64) {
 }
 
 #[test]
-fn what_ends_at_a_rim_is_carried() {
+fn a_beam_whose_ends_meet_a_rim_is_supported() {
     for over in [-1e-5, 0.0, 3e-7, 1e-6, 2e-6, 3e-6, 3.9e-6, 5e-6, 1e-5, 1e-3] {
         let (model, recording, bottom) = beam_across(over, 5.0);
         println!("{over:e} over: at {bottom:e} mm");
@@ -222,7 +222,7 @@ fn what_ends_at_a_rim_is_carried() {
 
 /// The same beam, placed half a millimetre too low.
 #[test]
-fn what_was_laid_within_another_stays_there_at_a_rim_too() {
+fn a_beam_placed_within_a_block_stays_there_at_a_rim() {
     for over in [-1e-3, -1e-5, 0.0, 2e-6, 1e-5, 1e-3] {
         let (model, recording, bottom) = beam_across(over, -0.5);
         println!("{over:e} over: at {bottom:e} mm");
@@ -232,7 +232,7 @@ fn what_was_laid_within_another_stays_there_at_a_rim_too() {
 }
 
 #[test]
-fn nothing_goes_through_a_thin_plate_however_large_the_increment() {
+fn a_thin_plate_is_not_penetrated_by_any_increment() {
     for (speed, increments) in [(-5e3, 20), (-5e4, 5), (-5e4, 100)] {
         let mut model = scene::empty();
         let solid = scene::heavy(E, 0.2, DENSITY);

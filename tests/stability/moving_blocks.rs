@@ -357,7 +357,7 @@ tolerance = { residual = 5e-3 }
 }
 
 #[test]
-fn points_that_come_to_a_facet_of_another_height_close_their_energies() {
+fn energies_balance_when_points_change_to_a_facet_of_another_height() {
     // Steps up, level and down. At the end two of the four corners are on the second table.
     for step in [0.2, 0.02, 0.0, -0.2, -2.0] {
         let recording = over_a_step(step);
@@ -372,7 +372,7 @@ fn points_that_come_to_a_facet_of_another_height_close_their_energies() {
 }
 
 #[test]
-fn the_side_of_a_higher_table_does_not_throw_what_slides_into_it() {
+fn the_side_of_a_higher_table_does_not_throw_a_sliding_block() {
     // Without `contact.general` the block enters below the face, which is behind its corners.
     let recording = over_a_step(2.0);
     let last = recording.rows.last().unwrap();

@@ -200,7 +200,7 @@ fn why(text: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_said_where_it_is_written() {
+fn errors_in_a_scene_are_reported_with_their_place() {
     let changed = |from: &str, to: &str| {
         assert!(SCENE.contains(from), "{from}");
         why(&SCENE.replacen(from, to, 1))
@@ -385,7 +385,7 @@ fn with_peer() -> String {
 }
 
 #[test]
-fn a_peer_stands_in_chart_and_tables_and_is_not_run() {
+fn another_program_is_shown_in_chart_and_tables_but_not_run() {
     let (folder, scene) = scene(&with_peer());
     let scene = scene.unwrap();
     let all = run(std::slice::from_ref(&scene), &options(false, 1));
@@ -423,7 +423,7 @@ fn a_peer_stands_in_chart_and_tables_and_is_not_run() {
 }
 
 #[test]
-fn a_reference_is_made_by_the_run_that_it_is_said_to_come_from() {
+fn a_reference_is_made_by_its_documented_run() {
     let text = SCENE.replace(
         "command = \"by hand\"",
         "set = [\"steps.0.increments.max=0.1\"]",

@@ -29,7 +29,7 @@ fn run(cases: &[Case], folder: &Path) -> Vec<Validated> {
 }
 
 #[test]
-fn what_is_claimed_holds_in_the_short_forms() {
+fn expectations_hold_in_the_short_forms() {
     let out = tempfile::tempdir().unwrap();
     let all = run(&cases(&folder()).unwrap(), out.path());
     let mut failed = Vec::new();
@@ -142,7 +142,7 @@ fn told(page: &str) -> Vec<String> {
 
 /// The study writes the pages from the cases. This test fails if a case changes without its page.
 #[test]
-fn pages_tell_of_the_cases_as_they_are() {
+fn pages_match_the_cases() {
     let listed = std::fs::read_to_string(folder().join("../validation.md")).unwrap();
     for case in cases(&folder()).unwrap() {
         let file = case.folder.join("README.md");
@@ -237,7 +237,7 @@ fn block(text: &str) -> (tempfile::TempDir, Result<Case, StudyError>) {
 }
 
 #[test]
-fn a_claim_that_does_not_hold_is_told_on_the_page() {
+fn a_failed_expectation_is_shown_on_the_page() {
     for (value, said) in [("1.0", "| holds |"), ("1.1", "**does not hold**")] {
         let (folder, case) = block(&CASE.replace("value = 1.0", &format!("value = {value}")));
         let all = run(&[case.unwrap()], folder.path());
@@ -270,7 +270,7 @@ fn a_claim_that_does_not_hold_is_told_on_the_page() {
 /// A failed run must not overwrite the files of the previous one, and its expectations are counted. A run that meets
 /// all expectations but ends wrongly does not pass.
 #[test]
-fn what_breaks_is_told_in_the_list() {
+fn a_failed_run_is_shown_in_the_list() {
     // The force is given in the file, so that it is rejected when the model is built.
     let (folder, case) = block(CASE);
     let deck = folder.path().join("block_deck.toml");
@@ -294,7 +294,7 @@ fn what_breaks_is_told_in_the_list() {
 
 /// The page shows the distance from a curve that is only reported.
 #[test]
-fn a_reported_distance_from_a_curve_is_told() {
+fn a_reported_distance_from_a_curve_is_shown() {
     let curve = "of = \"curve\"\nx = \"time\"\ny = \"load_kN\"\nfile = \"known.csv\"";
     let text = CASE.replace("of = \"final\"\ncolumn = \"residual\"", curve);
     let folder = tempfile::tempdir().unwrap();
@@ -316,7 +316,7 @@ fn a_reported_distance_from_a_curve_is_told() {
 }
 
 #[test]
-fn keys_that_a_point_does_not_read_are_refused() {
+fn keys_that_a_point_does_not_read_are_rejected() {
     let point = "point = { material = \"stone\", strain = [1e-4, 0, 0, 0, 0, 0], rows = 2 }";
     let good = CASE.replace("column = \"load_kN\"", "column = \"sig_xx_MPa\"");
     let good = good.replace("column = \"residual\"", "column = \"sig_xx_MPa\"");
@@ -342,7 +342,7 @@ fn keys_that_a_point_does_not_read_are_refused() {
 }
 
 #[test]
-fn bad_cases_are_told_with_their_place() {
+fn invalid_cases_are_reported_with_their_place() {
     for (from, to, said) in [
         ("number = 1", "nummer = 1", "nummer"),
         (

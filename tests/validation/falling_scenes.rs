@@ -88,7 +88,7 @@ fn a_wall_that_is_blown_over_falls_apart_on_the_ground() {
 }
 
 #[test]
-fn what_turns_about_gauss_points_does_not_sink_beside_them() {
+fn a_wall_that_rotates_about_gauss_points_does_not_sink() {
     // The wall rotates about its foot, about points a fifth of a facet inside its edge.
     let (model, recording) = completed(
         "90_falling_wall",

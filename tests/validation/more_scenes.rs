@@ -153,7 +153,7 @@ fn drums_from_gmsh_turn_over_their_edge() {
 }
 
 #[test]
-fn concrete_unloads_by_what_is_left_of_its_stiffness() {
+fn concrete_unloads_with_its_damaged_stiffness() {
     let rows = rows("79_concrete_to_and_fro", &[]);
     // Tolerance: chords between rows and increments.
     near(peak(&rows, |r| r.force_kN.abs()), 276.0, 5e-3);

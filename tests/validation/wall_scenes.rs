@@ -203,7 +203,7 @@ fn a_dry_stone_wall_rocks_like_the_test() {
 /// Inertia takes over from statics while the wall is driven: the wall moves in the first increment. Starting from
 /// rest, the drive would have to accelerate the wall, and its force would jump by 1 to 3 %.
 #[test]
-fn inertia_goes_on_at_the_rate_of_statics() {
+fn inertia_continues_at_the_rate_of_statics() {
     let rows = rows("63_dry_stone_wall", &[("steps.2.displacement", "8")]);
     let driven: Vec<_> = rows.iter().filter(|row| row.step == 2).collect();
     let takes_over = |w: &&[&HistoryRow]| {

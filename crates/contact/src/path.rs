@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_through_the_face_is_met_where_it_does() {
+    fn a_point_that_enters_through_the_face_is_in_contact_there() {
         let entry = way([0.0, -0.5, 3.0], [1.0, 0.5, -1.0]).unwrap();
         assert_eq!((entry.time, entry.at, entry.gap), (0.75, [0.75, 0.25], 0.0));
         // The end lies beyond the face, but the path went through it.
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_from_the_side_or_from_behind_is_not() {
+    fn a_point_that_arrives_from_the_side_or_from_behind_is_not_in_contact() {
         assert_eq!(way([-3.0, 0.0, -1.0], [0.0, 0.0, -1.0]), None);
         assert_eq!(way([0.0, 0.0, -1.0], [0.0, 0.0, -2.0]), None);
         // The path crosses the plane beside the face and then passes below it.
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_slides_over_the_rim_a_little_below_the_face_is_carried_where_it_is() {
+    fn a_point_that_slides_over_the_rim_slightly_below_the_face_is_in_contact() {
         let entry = way([-2.0, 0.0, -0.05], [0.0, 0.0, -0.07]).unwrap();
         assert_eq!((entry.time, entry.at), (0.5, [-1.0, 0.0]));
         assert!((entry.gap + 0.06).abs() < 1e-15);

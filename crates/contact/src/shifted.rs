@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_held_only_where_it_has_no_stiffness() {
+    fn a_point_is_held_only_on_branches_without_stiffness() {
         let law = CohesiveFrictional {
             f_t: 0.2,
             c: 0.2,

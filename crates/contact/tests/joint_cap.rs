@@ -67,7 +67,7 @@ fn sheared(law: &Cap, sigma: f64, slips: impl IntoIterator<Item = f64>) -> Vec<I
 }
 
 #[test]
-fn tension_softens_exponentially_and_spends_its_energy() {
+fn tension_softens_exponentially_and_dissipates_its_energy() {
     let law = law();
     let n = 40_000;
     let end = 25.0 * law.mode_1 / law.f_t;
@@ -133,7 +133,7 @@ fn shear_peaks_and_residuals_at_several_pressures() {
 }
 
 #[test]
-fn the_cap_carries_its_strength_and_spends_its_energy() {
+fn the_cap_reaches_its_strength_and_dissipates_its_energy() {
     for c_nn in [1.0, 1.44] {
         let law = Cap { c_nn, ..law() };
         let n = 100_000;
@@ -177,7 +177,7 @@ fn the_cap_carries_its_strength_and_spends_its_energy() {
 }
 
 #[test]
-fn slip_lifts_by_the_dilatancy_and_no_more_beyond_its_pressure() {
+fn slip_dilates_only_below_the_limit_pressure() {
     // The cap is moved far away, because it would close the joint.
     let law = Cap {
         curve: CapCurve::with_energy(60.0, 0.09, 40.0).unwrap(),
@@ -203,7 +203,7 @@ fn slip_lifts_by_the_dilatancy_and_no_more_beyond_its_pressure() {
 }
 
 #[test]
-fn tension_and_friction_meet_and_so_do_friction_and_cap() {
+fn corners_of_tension_friction_and_cap_lie_on_both_surfaces() {
     let law = law();
     // Large simultaneous opening and slip.
     let h = follow(&law, [[0.05, 0.2, 0.1]])[0];
@@ -249,7 +249,7 @@ fn the_half_of_a_joint_has_half_the_opening_at_the_same_traction() {
 }
 
 #[test]
-fn the_iterates_of_a_soft_stiffness_end_at_the_law() {
+fn iterates_with_a_soft_stiffness_converge_to_the_law() {
     for law in [law(), dilatant()] {
         let mut old = law.virgin();
         for gap in [

@@ -90,7 +90,7 @@ fn tangents_are_the_derivatives() {
 }
 
 #[test]
-fn answers_turn_and_mirror_with_the_gap() {
+fn tractions_rotate_and_mirror_with_the_gap() {
     for (law, [unit, closing]) in laws() {
         for seed in 0..40 {
             let path = Path::random(seed, 40, unit, closing);
@@ -102,7 +102,7 @@ fn answers_turn_and_mirror_with_the_gap() {
 }
 
 #[test]
-fn energies_balance_and_none_is_given_back() {
+fn energies_balance_and_dissipation_is_not_negative() {
     for (law, [unit, closing]) in laws() {
         for seed in 0..10 {
             let path = Path::random(seed, 40, unit, closing).divided(400);
@@ -159,7 +159,7 @@ impl JointLaw for Plain {
 }
 
 #[test]
-fn the_default_iterate_of_a_soft_stiffness_is_the_closed_form() {
+fn the_default_shifted_update_equals_the_closed_form() {
     let (mut compared, mut tangents) = (0, 0);
     for seed in 0..40 {
         let own = Cap {

@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_shell_would_take_apart_is_quoted() {
+    fn arguments_that_a_shell_would_split_are_quoted() {
         let told = |path: &str| argument(Path::new(path));
         assert_eq!(told("walls/j7d.toml"), "walls/j7d.toml");
         for path in ["my walls/j7d.toml", "j7d (2).toml", "it's (a) wall.toml"] {

@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_are_reported_with_their_line() {
         for (text, line, said) in [
             ("a,b\n0,0\n1,1\n", Some(1), "no column of displacement"),
             ("displacement,b\n0,0\n1,1\n", Some(1), "no column of force"),

@@ -294,7 +294,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_are_replaced_and_what_they_lead_to_stays() {
+    fn links_are_replaced_and_their_targets_remain() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_file_or_too_large_is_refused() {
+    fn folders_binary_and_oversized_files_are_rejected() {
         let folder = std::env::temp_dir().join(format!("wythe-input-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("table.csv");

@@ -16,7 +16,7 @@ const PARTED: &str = include_str!("../../../benches/facade.toml");
 /// they agree with those of a run without reuse within the documented 0.5 %. Different increments, and the place
 /// within the tolerance where each ends, account for up to 2e-3 in either run.
 #[test]
-fn what_is_far_from_a_crack_is_not_factorised_again() {
+fn elements_far_from_a_crack_are_not_factorised_again() {
     let (_, mut model) = deck_and_model(PARTED);
     assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 49.0 }]);
     let mut run = |fidelity| {
@@ -41,7 +41,7 @@ fn what_is_far_from_a_crack_is_not_factorised_again() {
 
 /// Only changed cells are summed again. The matrix is bitwise equal to one that is summed as a whole.
 #[test]
-fn only_what_changed_is_summed_again() {
+fn only_changed_cells_are_summed_again() {
     let (_, mut model) = deck_and_model(PARTED);
     model.fidelity = Fidelity::Auto;
     let mut system = System::new(&model).unwrap();

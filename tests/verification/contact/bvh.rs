@@ -200,7 +200,7 @@ fn aabbs(scene: &Scene) -> Vec<Aabb> {
 }
 
 #[test]
-fn pairs_equal_brute_force_while_surfaces_move_within_the_skin() {
+fn pairs_equal_brute_force_while_surfaces_move_within_the_margin() {
     let mut random = Random(22);
     let (radius, skin) = (0.4, 0.3);
     let (mut paired, mut alone) = (0, 0);

@@ -130,7 +130,7 @@ impl Case {
 }
 
 #[test]
-fn four_points_on_random_facets_are_seen_as_one_after_the_other() {
+fn four_points_on_random_facets_equal_single_points() {
     let mut random = Random(11);
     for warp in [0.0, 1e-6, 0.01, 1.0] {
         for _ in 0..500 {
@@ -141,7 +141,7 @@ fn four_points_on_random_facets_are_seen_as_one_after_the_other() {
 }
 
 #[test]
-fn four_points_within_rounding_of_an_edge_are_seen_as_one_after_the_other() {
+fn four_points_within_rounding_of_an_edge_equal_single_points() {
     let mut random = Random(12);
     for warp in [0.0, 0.3] {
         for by in [-1e-12, 0.0, 1e-12] {
@@ -157,7 +157,7 @@ fn four_points_within_rounding_of_an_edge_are_seen_as_one_after_the_other() {
 
 /// A point with a difficult projection is left to the plain kernel, and the other points are not affected.
 #[test]
-fn what_is_hard_is_left_alone() {
+fn difficult_points_are_left_to_the_plain_kernel() {
     let mut random = Random(13);
     for hard in 0..4 {
         let xi = [[0.3, -0.2], [0.9, 0.9], [-0.5, 0.1], [0.0, 0.7]];
@@ -187,7 +187,7 @@ fn what_is_hard_is_left_alone() {
 
 /// Both kernels agree whether a point near an edge stays on its facet, unless rounding decides.
 #[test]
-fn who_stays_on_a_facet_is_told_alike() {
+fn both_kernels_agree_whether_a_point_stays_on_its_facet() {
     let mut random = Random(14);
     let edge = 1.0 + 1e-3;
     for _ in 0..200 {
@@ -206,7 +206,7 @@ fn who_stays_on_a_facet_is_told_alike() {
 }
 
 #[test]
-fn a_cell_holds_what_the_plain_sum_of_its_points_does() {
+fn a_cell_equals_the_plain_sum_of_its_points() {
     let mut random = Random(15);
     for count in 1..=4 {
         for _ in 0..50 {
@@ -255,7 +255,7 @@ fn two_blocks() -> Model {
 /// A search that uses the forces from the same positions finds the same pairs as a search without them. Facets are
 /// passed, edges are left, and steps are too high.
 #[test]
-fn points_are_paired_with_and_without_memory_alike() {
+fn pairs_are_the_same_with_and_without_earlier_forces() {
     let model = two_blocks();
     let mut random = Random(16);
     let mut system = System::new(&model).unwrap();

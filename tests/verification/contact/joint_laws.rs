@@ -177,7 +177,7 @@ fn a_couplet_slides_and_crushes_at_its_strengths() {
 }
 
 #[test]
-fn points_tell_the_outputs_of_their_law_after_the_damage() {
+fn point_results_include_the_outputs_of_the_law() {
     let law = model(SHEARED).0.interface("joint").unwrap();
     let names = ["D", "plastic_opening", "plastic_slip", "crushing"];
     assert_eq!(*point::interface_layout(&law).state, names);
@@ -218,7 +218,7 @@ impl JointLaw for Breaks {
 }
 
 #[test]
-fn a_law_without_an_answer_ends_the_run_by_its_name() {
+fn a_law_without_a_solution_ends_the_run_with_its_name() {
     let mut model = model(SHEARED).1;
     for law in &mut model.contact.laws {
         *law = InterfaceLaw::custom(Breaks(law.stiffness()));

@@ -91,7 +91,7 @@ fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
 /// middle, and a load beyond it overturns the block. With sixteen rows the block rotates as on a bed of springs
 /// without tension: 60 of its 100 mm are compressed under a load 20 mm from the toe.
 #[test]
-fn an_open_joint_under_one_element_turns_as_exactly_as_its_rows_are_fine() {
+fn the_rotation_of_an_open_joint_converges_with_its_rows_of_points() {
     const E: f64 = 30.0;
     // The compressed length is c = 3 (b/2 − e), the compression at the toe 2 N / (k b c).
     let along = 3.0 * (50.0 - E);

@@ -155,7 +155,7 @@ fn about_vertices_edges_and_faces() {
 }
 
 #[test]
-fn collapsed_facets_answer_with_their_closest_point() {
+fn collapsed_facets_give_their_closest_point() {
     let mut random = Random(33);
     // Triangles (two coincident corners, exactly or nearly), needles and points; of any size.
     for k in 0..400 {

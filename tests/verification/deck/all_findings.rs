@@ -34,7 +34,7 @@ fn keys(good: &str, changes: &[(&str, &str)]) -> Vec<String> {
 }
 
 #[test]
-fn the_form_is_read_to_its_end() {
+fn all_errors_of_form_are_reported() {
     let found = keys(
         WALL,
         &[
@@ -76,7 +76,7 @@ fn the_form_is_read_to_its_end() {
 
 /// A misspelt key is not also reported as missing. In a step of unknown kind no other keys are checked.
 #[test]
-fn what_follows_from_an_error_is_not_told() {
+fn consequences_of_an_error_are_not_reported() {
     for (change, key) in [
         (("unit_material", "unit_materiel"), "wall.unit_materiel"),
         (
@@ -115,7 +115,7 @@ fn what_follows_from_an_error_is_not_told() {
 }
 
 #[test]
-fn sections_that_are_none_are_told_how_to_be_headed() {
+fn wrong_table_headings_are_reported_with_the_right_one() {
     let scene = format!("{HEAD}{PAIR}{GRAVITY}");
     let error = refused(&changed(&scene, &[("[[supports]]", "[supports]")]));
     assert_eq!(error.key(), "supports");
@@ -130,7 +130,7 @@ fn sections_that_are_none_are_told_how_to_be_headed() {
 }
 
 #[test]
-fn names_of_nothing_are_part_of_the_form() {
+fn unknown_names_are_reported_with_the_form() {
     let scene = format!("{HEAD}{PAIR}{GRAVITY}");
     let found = keys(
         &scene,
@@ -162,7 +162,7 @@ fn names_of_nothing_are_part_of_the_form() {
 }
 
 #[test]
-fn lines_that_are_no_toml_do_not_hide_the_others() {
+fn invalid_toml_lines_do_not_hide_other_errors() {
     let found = refused(&changed(
         WALL,
         &[
@@ -186,7 +186,7 @@ fn lines_that_are_no_toml_do_not_hide_the_others() {
 
 /// Snap-back of both materials, a distant probe, a tilt without gravity, and the warnings in addition.
 #[test]
-fn the_physics_is_judged_to_its_end() {
+fn all_errors_of_physics_are_reported() {
     let probe = "[[probes]]\nname = \"far\"\nnear = [\"1 km\", 0, 0]\ndirection = \"x\"\n\n[wall]";
     let probe = probe.replace("\"1 km\"", "1e6");
     let text = changed(
@@ -234,7 +234,7 @@ fn the_physics_is_judged_to_its_end() {
 }
 
 #[test]
-fn overrides_are_told_after_the_file() {
+fn errors_of_overrides_follow_those_of_the_file() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let text = changed(WALL, &[("courses = 18", "courses = 0")]);
     let overrides = [

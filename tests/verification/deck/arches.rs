@@ -158,7 +158,7 @@ fn bad_arches_name_the_key() {
 
 /// A segmental arch given by the clear span and rise of its intrados.
 #[test]
-fn an_arch_has_the_span_and_rise_that_are_said() {
+fn an_arch_has_its_given_span_and_rise() {
     let arch = r#"
 [arch]
 span = 2000

@@ -333,7 +333,7 @@ fn columns_point_at_the_value() {
 }
 
 #[test]
-fn broken_toml_is_told_with_its_place() {
+fn invalid_toml_is_reported_with_its_place() {
     let error = error_of("syntax");
     let text = include_str!("../../data/bad/syntax.toml");
     let line = 1 + text.lines().position(|l| l == "mu = ").unwrap();

@@ -205,7 +205,7 @@ fn openings_are_empty_and_lintels_span_them() {
 }
 
 #[test]
-fn slivers_beside_an_opening_are_refused() {
+fn slivers_beside_an_opening_are_rejected() {
     let wall = format!(
         "[wall]\n{BRICK}length = 1002.5\ncourses = 8\nopenings = [{{ from = 232, to = 500, sill = 2, courses = 3 }}]"
     );
@@ -272,7 +272,7 @@ on = \"wall.bottom\"";
 }
 
 #[test]
-fn head_joints_are_filled_as_far_as_said() {
+fn head_joints_are_filled_to_the_given_fraction() {
     let wall = |filling: f64| {
         model(&format!(
             "[wall]\n{BRICK}length = 1002.5\ncourses = 3\nhead_filling = {filling}"
@@ -297,7 +297,7 @@ fn head_joints_are_filled_as_far_as_said() {
 
 /// The same amount of mortar, at the given face.
 #[test]
-fn head_joints_are_filled_from_the_face_that_is_said() {
+fn head_joints_are_filled_from_the_given_face() {
     for (from, at) in [("front", [0.0, 30.75]), ("back", [71.75, 102.5])] {
         let model = model(&format!(
             "[wall]\n{BRICK}length = 440\ncourses = 1\nhead_filling = 0.3\nfilled_from = \"{from}\"\n\
@@ -343,7 +343,7 @@ fn a_wall_stands_on_a_block() {
 }
 
 #[test]
-fn what_cannot_be_laid_is_refused() {
+fn walls_that_cannot_be_laid_are_rejected() {
     for (wall, key, message) in [
         (
             "bond = \"flemish\"\nunit = [215, 110, 65]",

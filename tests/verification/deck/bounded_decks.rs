@@ -34,7 +34,7 @@ fn judged(text: &str, set: &[(&str, &str)]) -> Result<(), ModelError> {
 }
 
 #[test]
-fn lengths_and_counts_are_judged_before_anything_is_laid_out() {
+fn lengths_and_counts_are_checked_before_geometry_is_generated() {
     let leaves = "72_leaves_and_headers";
     for (example, key, value, at) in [
         (
@@ -142,7 +142,7 @@ fn a_unit_of_very_many_elements_is_paired_in_little_time() {
 }
 
 #[test]
-fn many_errors_are_told_in_part_and_counted() {
+fn many_errors_are_listed_in_part_and_counted() {
     let mut deck = text("05_sliding_block");
     for i in 0..8000 {
         writeln!(
@@ -206,7 +206,7 @@ fn blocks(count: usize, place: impl Fn(usize) -> String) -> String {
 }
 
 #[test]
-fn very_many_blocks_are_judged_wherever_they_stand() {
+fn very_many_blocks_are_checked_in_any_arrangement() {
     // All blocks at one place: each overlaps every other.
     assert!(judged(&blocks(10_000, |_| "[0, 0, 0]".to_owned()), &[]).is_err());
     // A tower, a wall normal to x, a cube.

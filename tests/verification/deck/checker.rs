@@ -6,7 +6,7 @@ use wythe::model::Model;
 
 /// Two elements through the thickness are too few for a wall in bending, and enough for a wall in shear.
 #[test]
-fn the_checker_tells_of_walls_that_bend_across_too_few_elements() {
+fn the_checker_reports_walls_with_too_few_elements_for_bending() {
     let told = |name: &str, overrides: &[(&str, &str)]| {
         let deck = load(name, overrides);
         let (model, _) = Model::from_deck(&deck).unwrap();
@@ -171,7 +171,7 @@ fn the_checker_reports_sizes_energies_and_warnings() {
 /// No peak control is reported without a prescribed or controlled displacement, or if inertia or path following sets
 /// the size of the increments.
 #[test]
-fn a_peak_is_seen_by_what_drives_or_steers() {
+fn peak_control_needs_a_drive_or_a_controlled_displacement() {
     let keys = |name: &str, set: &[(&str, &str)]| -> Vec<String> {
         let (_, warnings) = Model::from_deck(&load(name, set)).unwrap();
         let keys = warnings.into_iter().map(|w| w.key);
@@ -187,7 +187,7 @@ fn a_peak_is_seen_by_what_drives_or_steers() {
 }
 
 #[test]
-fn the_checker_tells_how_much_is_solved_and_rounds_what_is_huge() {
+fn the_checker_reports_the_solved_part_and_rounds_large_numbers() {
     let told = |set: &[(&str, &str)]| {
         let deck = load("03_shear_wall_j7d", set);
         let (model, _) = Model::from_deck(&deck).unwrap();
@@ -242,7 +242,7 @@ fn capped_damage_names_its_row() {
 }
 
 #[test]
-fn through_joints_and_slivers_are_noticed() {
+fn through_joints_and_slivers_are_reported() {
     let warned = |length: &str| -> Vec<String> {
         let deck = load("03_shear_wall_j7d", &[("wall.length", length)]);
         let (_, warnings) = Model::from_deck(&deck).unwrap();
@@ -268,7 +268,7 @@ fn through_joints_and_slivers_are_noticed() {
 }
 
 #[test]
-fn absurd_sizes_are_refused_before_they_are_built() {
+fn absurd_sizes_are_rejected_before_they_are_built() {
     let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
     for (key, value, at) in [
         ("wall.length", "1e300", "wall.length"),
@@ -293,7 +293,7 @@ fn absurd_sizes_are_refused_before_they_are_built() {
 /// The thickness of a wall for the solver is its number of node planes. A wall of two leaves, or in English bond,
 /// needs more memory per unknown than one leaf; rigid units need less.
 #[test]
-fn memory_follows_the_thickness_that_is_laid() {
+fn memory_depends_on_the_node_planes_through_the_thickness() {
     let wall = |more: &str| {
         format!(
             "format = 1\nfidelity = \"full\"\n[materials.brick]\nE = 10000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.joint]\nf_t = 0\nc = 0\nmu = 0.7\n\

@@ -45,7 +45,7 @@ fn build(scene: &str, nodes: &str) -> Result<Model, wythe::error::DeckError> {
 }
 
 #[test]
-fn a_grid_is_laid_as_it_is_written() {
+fn a_grid_has_the_nodes_of_its_file() {
     let model = build(SCENE, NODES).unwrap_or_else(|e| panic!("{e}"));
     // 5 x 2 x 2 nodes of the base come first.
     assert_eq!(model.mesh.nodes[20..].len(), 12);

@@ -105,7 +105,7 @@ fn a_mesh_of_gmsh_stands_on_its_base() {
 }
 
 #[test]
-fn without_names_what_touches_at_rest_meets_once() {
+fn touching_imports_without_names_get_one_contact() {
     let any = GMSH.replace(
         "slave = \"pair.bed of upper\"\nmaster = \"pair.bed of lower\"\n",
         "",
@@ -202,7 +202,7 @@ fn materials_of_the_file_stand_in_the_deck_unless_it_has_its_own() {
 }
 
 #[test]
-fn what_is_wrong_names_element_line_and_place_or_what_was_meant() {
+fn errors_name_element_line_and_place_or_the_likely_name() {
     let cube = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                 *ELEMENT, TYPE=C3D8, ELSET=ALL\n7, 1,2,3,4,5,6,7,8\n";
     let turned = cube.replace("7, 1,2,3,4,5,6,7,8", "7, 5,6,7,8,1,2,3,4");

@@ -88,7 +88,7 @@ fn sets_and_surfaces_of_instances_and_of_the_assembly_are_found() {
 }
 
 #[test]
-fn tables_of_the_paper_come_through_as_they_are() {
+fn tables_of_the_paper_are_imported_unchanged() {
     let mesh = load("cae.inp", "");
     assert_eq!(mesh.sections.len(), 3);
     assert_eq!(mesh.sections[1].elements, [2, 3]);
@@ -104,7 +104,7 @@ fn tables_of_the_paper_come_through_as_they_are() {
 }
 
 #[test]
-fn what_is_not_read_is_told() {
+fn unread_content_is_reported() {
     let mesh = load("cae.inp", "");
     let notes = mesh.notes.join("\n");
     for told in [
@@ -231,7 +231,7 @@ fn noted(text: &str, told: &str) -> (ImportedMesh, usize) {
 }
 
 #[test]
-fn what_is_not_needed_is_left_out_and_told_once() {
+fn unneeded_content_is_omitted_and_reported_once() {
     let shells = "*NODE\n11,5,0,0\n12,6,0,0\n13,6,1,0\n14,5,1,0\n";
     let spring = "*ELEMENT, TYPE=SPRINGA, ELSET=SPRINGS\n30, 1, 2\n*SPRING, ELSET=SPRINGS\n\n10.\n";
     for (text, told) in [
@@ -311,7 +311,7 @@ fn what_is_not_needed_is_left_out_and_told_once() {
 }
 
 #[test]
-fn parts_that_stand_nowhere_are_left_out_whatever_is_in_them() {
+fn parts_without_an_instance_are_omitted() {
     let text = format!(
         "*PART, NAME=WALL\n{NODES}{CUBE}*END PART\n*PART, NAME=PLATE\n*NODE\n1,0,0,0\n\
          *ELEMENT, TYPE=S4\n1, 1,2,3,4\n*ELEMENT, TYPE=C3D8\n2, 1,2,3,4,5,6,7,8\n*END PART\n\
@@ -325,7 +325,7 @@ fn parts_that_stand_nowhere_are_left_out_whatever_is_in_them() {
 /// MacNeal and Harder's patch of seven elements (1985) has an element with an inverted corner. Its Jacobian is
 /// positive at all Gauss points.
 #[test]
-fn an_element_is_sound_where_it_is_integrated() {
+fn an_element_is_valid_if_its_gauss_points_are() {
     let patch = "*NODE\n1,0.249,0.342,0.192\n2,0.826,0.288,0.288\n5,0.32,0.186,0.643\n6,0.677,0.305,0.683\n\
                  9,0,0,0\n12,1,0,0\n13,0,0,1\n14,1,0,1\n*ELEMENT, TYPE=C3D8I\n4,1,2,6,5,9,12,14,13\n";
     let (mesh, count) = noted(patch, "1 elements have a corner that is flat or folded");
@@ -333,7 +333,7 @@ fn an_element_is_sound_where_it_is_integrated() {
 }
 
 #[test]
-fn a_side_of_three_elements_is_refused() {
+fn a_side_of_three_elements_is_rejected() {
     // The second and the third body lie on the first, with separate nodes at the same places above.
     let above =
         "*NODE\n11,0,0,2\n12,1,0,2\n13,1,1,2\n14,0,1,2\n21,0,0,3\n22,1,0,3\n23,1,1,3\n24,0,1,3\n";
@@ -348,7 +348,7 @@ fn a_side_of_three_elements_is_refused() {
 }
 
 #[test]
-fn names_of_nothing_are_told_with_what_was_meant() {
+fn unknown_names_are_reported_with_a_suggestion() {
     for (text, told, help) in [
         (
             "*ELSET, ELSET=B\nALLL\n",
@@ -401,7 +401,7 @@ fn names_of_nothing_are_told_with_what_was_meant() {
 }
 
 #[test]
-fn all_forms_of_gmsh_say_the_same() {
+fn all_formats_of_gmsh_give_the_same_mesh() {
     let [a, b, c, d] = ["41", "41b", "22", "22b"].map(|v| load(&format!("two_blocks_{v}.msh"), ""));
     assert_eq!(a.nodes.len(), 54);
     assert_eq!(a.elements.len(), 16);
@@ -434,7 +434,7 @@ fn all_forms_of_gmsh_say_the_same() {
 }
 
 #[test]
-fn what_gmsh_cannot_have_meant_is_refused() {
+fn invalid_files_of_gmsh_are_rejected() {
     let text = std::fs::read_to_string(data("two_blocks_22.msh")).unwrap();
     let nothing = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let read = |text: &str| {

@@ -232,7 +232,7 @@ fn the_seeds_are_sound() {
 }
 
 #[test]
-fn ranges_without_a_step_and_names_that_terminals_obey_are_refused() {
+fn ranges_without_a_step_and_names_with_control_characters_are_rejected() {
     let (_, flat) = &SEEDS[1];
     let with = |lines: &str| {
         let mut bytes = flat.clone();
@@ -249,7 +249,7 @@ fn ranges_without_a_step_and_names_that_terminals_obey_are_refused() {
 }
 
 #[test]
-fn counts_that_are_lies_take_no_memory() {
+fn false_counts_take_no_memory() {
     let huge = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 18446744073709551615 1 9\n\
                 3 1 0 18446744073709551615\n1\n2\n$EndNodes\n";
     assert!(!read("a.msh", huge.as_bytes()));

@@ -54,7 +54,7 @@ fn standard_errors(sample: &[f64], cv: f64) -> [f64; 2] {
 const BY_CHANCE: f64 = 4.0;
 
 #[test]
-fn factors_have_the_mean_and_the_variation_asked_for() {
+fn factors_have_the_given_mean_and_variation() {
     for cv in [0.05, 0.3, 0.8] {
         let sample: Vec<f64> = (0..100_000).map(|unit| factor(cv, 11, 0, unit)).collect();
         let [mean, spread] = standard_errors(&sample, cv);
@@ -307,7 +307,7 @@ fn tower(names: [&str; 2], scatters: [&str; 2]) -> String {
 }
 
 #[test]
-fn interfaces_scatter_each_for_itself_whatever_they_are_called() {
+fn interfaces_scatter_independently_of_each_other_and_of_their_names() {
     let of = |names, scatters| {
         let (model, _) = Model::from_deck(&deck(&tower(names, scatters))).unwrap();
         let found = strengths(&model, 0.2);
@@ -358,7 +358,7 @@ mesh = [1, 2, 2]
 }
 
 #[test]
-fn the_check_tells_what_was_drawn() {
+fn the_check_reports_the_drawn_strengths() {
     let (deck, model) = wall(&[("interfaces.joint.scatter", "{ cv = 0.3, seed = 2 }")]);
     let found: Vec<f64> = strengths(&model, 0.2).into_values().collect();
     let least = found.iter().copied().fold(f64::INFINITY, f64::min);
@@ -376,7 +376,7 @@ fn the_check_tells_what_was_drawn() {
 
 /// Only the strongest units soften more steeply than their stiffness.
 #[test]
-fn snapping_back_is_judged_by_the_strongest_unit() {
+fn snap_back_is_checked_for_the_strongest_unit() {
     // The slope is f_t ζ/(u_k (1 − e^−ζ)) = 2.464 N/mm³ on average.
     let stiffness = [
         ("interfaces.joint.normal_stiffness", "4"),
@@ -402,7 +402,7 @@ fn snapping_back_is_judged_by_the_strongest_unit() {
 }
 
 #[test]
-fn what_cannot_scatter_is_refused_with_its_key() {
+fn invalid_scatter_is_rejected_with_its_key() {
     let good = tower(["a", "b"], ["", "scatter = { cv = 0.3, seed = 9 }"]);
     crate::common::blocks::refuses(
         &good,

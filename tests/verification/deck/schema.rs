@@ -60,7 +60,7 @@ fn examples_and_templates_validate_and_name_the_schema() {
 }
 
 #[test]
-fn decks_of_a_wrong_form_are_refused() {
+fn decks_of_a_wrong_form_are_rejected() {
     let validator = validator();
     for name in [
         "missing_format",

@@ -183,7 +183,7 @@ const ALL: [Solids; 3] = [Solids::Implicit, Solids::Secant, Solids::Softened];
 /// Walks of random displacements from well inside the yield surface to far beyond it, in both directions. In every
 /// third walk the step is reduced so that the first point to yield lies exactly on its surface.
 #[test]
-fn elements_are_those_of_their_points_one_by_one() {
+fn elements_equal_the_law_at_each_point() {
     let mut random = Random(71);
     let (mut whole, mut mixed, mut damaged) = (0, 0, 0);
     for walk in 0..300 {
@@ -290,7 +290,7 @@ fn elements_are_those_of_their_points_one_by_one() {
 
 /// NaN strains are reported by the law, for any material.
 #[test]
-fn what_is_not_finite_is_refused() {
+fn nan_strains_are_rejected() {
     let corners = CORNERS.map(|c| c.map(|c| 10.0 * c));
     for parameters in [
         MaterialParameters::Elastic(brick().elastic),

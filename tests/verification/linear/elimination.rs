@@ -14,7 +14,7 @@ const PARTED: &str = include_str!("../../../benches/facade.toml");
 /// If only a few nodes move, only their neighbourhood is evaluated. Forces, stiffness and histories are bitwise equal
 /// to a full evaluation.
 #[test]
-fn what_nothing_touches_that_moves_is_as_it_was() {
+fn elements_away_from_moving_nodes_are_not_evaluated() {
     let (_, mut model) = deck_and_model(PARTED);
     for fidelity in [Fidelity::Full, Fidelity::Auto] {
         model.fidelity = fidelity;
@@ -87,7 +87,7 @@ fn what_nothing_touches_that_moves_is_as_it_was() {
 
 /// The crack takes fewer global solves, and the result is the same.
 #[test]
-fn a_crack_is_balanced_by_itself() {
+fn a_crack_is_equilibrated_locally() {
     let (_, mut model) = deck_and_model(PARTED);
     let mut run = |fidelity| {
         model.fidelity = fidelity;

@@ -45,7 +45,7 @@ fn law(p: &DamagePlasticityParameters, of: Extent) -> DamagePlasticity {
 /// A one-element block is pulled by 0.03 mm along each of its edges. Force over opening follows the table for l_ref,
 /// although the edges differ by a factor of four. With the cube root of the volume it does not.
 #[test]
-fn a_crack_takes_the_same_whichever_way_an_element_lies() {
+fn crack_energy_does_not_depend_on_the_orientation_of_the_element() {
     for (band, exact) in [("projected", true), ("volume", false)] {
         for (axis, (direction, far)) in [("x", "right"), ("y", "back"), ("z", "top")]
             .into_iter()
@@ -144,7 +144,7 @@ fn along(n: &Vector3<f64>, strain: f64) -> Vector6<f64> {
 
 /// The band is as wide as the element across the first crack, and remains so when the strain rotates.
 #[test]
-fn a_band_is_held_from_the_onset_on() {
+fn the_width_of_a_band_is_fixed_at_the_onset() {
     let p = parameters();
     let of = element(EDGES);
     let law = law(&p, of);
@@ -245,7 +245,7 @@ fn the_tangent_is_that_of_the_band() {
 /// The small wall with two and with four elements through its thickness, without cracks normal to it. With
 /// `projected` its curve does not change, with the cube root of the volume it does.
 #[test]
-fn elements_through_the_thickness_do_not_change_what_a_crack_takes() {
+fn elements_through_the_thickness_do_not_change_the_crack_energy() {
     let curve = |band: &str, thickness: usize| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability");
         let set = [
@@ -274,7 +274,7 @@ fn elements_through_the_thickness_do_not_change_what_a_crack_takes() {
 
 /// A band without a reference length is rejected; one that would snap back is narrowed, with a warning.
 #[test]
-fn what_a_deck_says_of_bands_is_checked() {
+fn crack_bands_of_a_deck_are_checked() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stability");
     let text = std::fs::read_to_string(folder.join("small_wall.toml")).unwrap();
     let text = text.replace(

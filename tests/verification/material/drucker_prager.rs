@@ -123,7 +123,7 @@ fn triaxial_compression_is_on_the_hyperbola_and_tends_to_the_cone() {
 }
 
 #[test]
-fn pure_shear_carries_what_the_hyperbola_says() {
+fn the_strength_in_pure_shear_lies_on_the_hyperbola() {
     // At zero mean stress q = √3 τ = √(k² − a²). Stress-free sides allow the dilation.
     let p = stone();
     let [_, k, a] = surface(&p);
@@ -158,7 +158,7 @@ fn pure_shear_carries_what_the_hyperbola_says() {
 
 /// Work of the stress on the inelastic strain per volume, times ℓ, is the fracture energy for any ℓ.
 #[test]
-fn softening_takes_its_fracture_energy_in_elements_of_any_size() {
+fn softening_dissipates_its_fracture_energy_in_elements_of_any_size() {
     let p = softening();
     for l_eq in [10.0, 50.0, 200.0] {
         for (energy, f, sign) in [(0.05, 1.0, 1.0), (10.0, p.compressive_strength(), -1.0)] {
@@ -202,7 +202,7 @@ fn softening_takes_its_fracture_energy_in_elements_of_any_size() {
 }
 
 #[test]
-fn elements_that_would_snap_back_are_refused() {
+fn elements_that_would_snap_back_are_rejected() {
     let p = softening();
     let [tension, compression] = p.longest();
     assert!((tension - 8000.0 * 0.05).abs() < 1e-9);

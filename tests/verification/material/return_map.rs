@@ -324,7 +324,7 @@ fn tangents_near_the_corner_where_the_largest_stress_changes_sign() {
 }
 
 #[test]
-fn strains_without_number_or_measure_are_refused() {
+fn nan_and_infinite_strains_are_rejected() {
     let law = law(&brick());
     let old = MaterialHistory::default();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

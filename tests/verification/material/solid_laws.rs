@@ -158,7 +158,7 @@ fn damage(flaw: Flaw) -> Damage {
 }
 
 #[test]
-fn the_checks_find_what_is_wrong() {
+fn the_checks_find_wrong_laws() {
     let paths = Paths::of_step(1e-4);
     checks::all(&damage(Flaw::None), &paths).unwrap();
     let tangent = checks::tangent(&damage(Flaw::Tangent), &paths).unwrap_err();
@@ -279,7 +279,7 @@ fn evaluate(
 }
 
 #[test]
-fn an_element_answers_alike_with_a_law_from_outside() {
+fn an_element_gives_the_same_results_with_a_user_defined_law() {
     let near = |a: f64, b: f64, scale: f64| (a - b).abs() <= 1e-11 * scale;
     for p in [brick(), mortar(2300.0)] {
         let p = DamagePlasticityParameters {
@@ -374,7 +374,7 @@ fn model(flaw: Flaw) -> Model {
 }
 
 #[test]
-fn a_law_from_outside_runs_and_its_output_is_a_column_and_a_field() {
+fn a_user_defined_law_runs_and_its_output_is_a_column_and_a_field() {
     let model = model(Flaw::None);
     assert_eq!(
         model.columns(),
@@ -405,7 +405,7 @@ fn a_law_from_outside_runs_and_its_output_is_a_column_and_a_field() {
 }
 
 #[test]
-fn a_law_that_gives_no_number_is_named() {
+fn a_law_that_returns_nan_is_named() {
     let model = model(Flaw::NotFinite(-1.0));
     let summary = solve::run(&model, &mut Rows::default()).unwrap();
     assert_eq!(summary.status, Status::NotConverged);

@@ -72,7 +72,7 @@ fn the_uniaxial_response_is_the_tables_own_polyline() {
 }
 
 #[test]
-fn damage_is_linear_in_the_inelastic_strain_where_asked_for() {
+fn damage_is_linear_in_the_inelastic_strain_on_request() {
     let p = brick();
     let (e, rows) = (p.elastic.E, &p.tension);
     let (curve, warnings) =
@@ -117,7 +117,7 @@ fn slopes_are_the_derivatives_of_the_values() {
 }
 
 #[test]
-fn unusable_tables_are_refused_by_branch_and_row() {
+fn unusable_tables_are_rejected_with_branch_and_row() {
     let first = row(3.0, 0.0, 0.0);
     let cases = [
         (vec![first], None),
@@ -159,7 +159,7 @@ fn unusable_tables_are_refused_by_branch_and_row() {
 }
 
 #[test]
-fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
+fn the_largest_lengths_of_the_paper_and_the_rejection_beyond() {
     // theory/crack-band.md, eq. 6 and its table, in units of l_ref: tension, compression.
     let printed = [[10.4, 9.2], [1.21, 1.42], [3.29, 3.83]];
     for (p, printed) in paper().into_iter().zip(printed) {
@@ -200,7 +200,7 @@ fn the_largest_lengths_of_the_paper_and_the_refusal_beyond() {
 }
 
 #[test]
-fn the_steepest_fall_is_the_one_that_is_named() {
+fn the_steepest_softening_segment_is_reported() {
     // Drops of 1 MPa over 2e-3, 2.5e-4 and 1e-3 with E = 1e4 MPa: limits of 20, 2.5 and 10 l_ref.
     let rows = [
         row(4.0, 0.0, 0.0),
@@ -281,7 +281,7 @@ fn uniaxial(s: f64, history: &MaterialHistory) -> Vector6<f64> {
 }
 
 #[test]
-fn recovery_factors_give_back_what_they_say() {
+fn recovery_factors_restore_the_given_stiffness() {
     // First cracked, then compressed: the tensile damage counts by (1 − w_c). First crushed, then pulled: the
     // compressive damage counts by (1 − w_t) (theory/damage-plasticity.md, eq. 12).
     for w in [0.0, 0.3, 1.0] {

@@ -77,7 +77,7 @@ fn joints_in_the_plane_scatter_like_all_others() {
 
 /// The nearest node to a point belongs to the wall, however close the mirror's corners are.
 #[test]
-fn no_probe_and_no_load_takes_a_mirror() {
+fn probes_and_loads_ignore_mirror_bodies() {
     let near = "near = [300, -200, -150]";
     let probe = format!("[[probes]]\nname = \"p\"\n{near}\ndirection = \"y\"\n");
     let load = format!("[[steps.loads]]\nname = \"f\"\n{near}\nforce = [0, 5, 0]\n");
@@ -166,7 +166,7 @@ const ACROSS: &[Bad] = &[
 ];
 
 #[test]
-fn what_the_plane_holds_is_not_moved_across_it() {
+fn bodies_held_by_the_plane_are_not_moved_across_it() {
     let good = format!("{HALF}{BLOCK}{STEP}");
     refuses(&good, ACROSS);
     // Motions along the plane, and of bodies that only touch it, are valid.

@@ -30,7 +30,7 @@ proptest! {
     /// with the opposite sign. Increments are a fortieth of the push. With increments twice as long one wall took 25
     /// and its half 23, with a brittle peak between them, and the peaks differed by 0.8 %.
     #[test]
-    fn random_walls_are_told_by_their_half(
+    fn halves_of_random_walls_give_the_results_of_the_whole(
         brick in 2.0..20.0_f64,
         f_t in 0.1..0.5_f64,
         c in 0.2..0.8_f64,

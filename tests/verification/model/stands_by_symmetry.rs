@@ -8,7 +8,7 @@ use wythe::state::Status;
 /// from Euler's load on: π² E I/4 L² = 10,280 N, 0.514 MPa. Twenty elements along it, shear and the compression
 /// before it buckles change that by less than the tolerance of a tenth.
 #[test]
-fn what_buckles_to_one_side_is_no_half() {
+fn a_column_that_buckles_is_not_solved_as_a_half() {
     let column_with = |pressure: f64, mesh: &str, more: &str| {
         let text = format!(
             r#"format = 1
@@ -56,7 +56,7 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
 
 /// A prism that slides freely on its bed may rotate about its axis. This motion is neutral, with or without pressure.
 #[test]
-fn what_nothing_holds_at_rest_is_no_matter_of_symmetry() {
+fn a_neutral_rotation_does_not_count_as_instability() {
     let text = r#"format = 1
 [materials.stone]
 E = 1000

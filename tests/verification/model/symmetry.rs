@@ -352,7 +352,7 @@ const BAD: &[Bad] = &[
 ];
 
 #[test]
-fn what_is_no_mirror_image_is_refused() {
+fn models_without_the_symmetry_are_rejected() {
     let text = format!(
         "{STONE}courses = 2\n{}[[supports]]\non = \"wall.bottom\"\n[[steps]]\nkind = \"gravity\"\n",
         plane("x", 300.0, "below")

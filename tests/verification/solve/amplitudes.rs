@@ -38,7 +38,7 @@ fn slider(step: &str) -> String {
 /// The dissipation is 4 μN (a − u) per cycle of amplitude a with the elastic slip u = μN/k, and μN u less on the
 /// first loading branch.
 #[test]
-fn a_block_driven_to_and_fro_dissipates_the_area_of_its_loops() {
+fn a_cyclically_driven_block_dissipates_the_area_of_its_loops() {
     let force = MU * PRESSURE * 1e4;
     let elastic = force / STIFFNESS;
     for procedure in ["auto", "static", "implex", "quasi_static", "dynamic"] {
@@ -150,7 +150,7 @@ fn along_a_path_an_amplitude_must_rise() {
 
 /// Half of the displacement in the first tenth of the time, and a constant part at the end.
 #[test]
-fn rows_are_met_at_their_times() {
+fn rows_are_reached_at_their_times() {
     let rows =
         "displacement = 2\namplitude = [[0, 0], [0.1, 0.5], [0.9, 1], [1, 1]]\nduration = 10";
     let recording = completed(&model(&slider(rows)));
@@ -167,7 +167,7 @@ fn rows_are_met_at_their_times() {
 
 /// A step that stops at a displacement counts it in both directions.
 #[test]
-fn cycles_stop_where_they_have_gone_far_enough() {
+fn cycles_stop_at_the_given_displacement() {
     let stop = "cycles = { amplitudes = [1, 2] }\nstop = { displacement = 1.5 }";
     let (recording, summary) = run(&model(&slider(stop)));
     assert_eq!(summary.status, Status::Completed);
@@ -178,7 +178,7 @@ fn cycles_stop_where_they_have_gone_far_enough() {
 
 /// The example completes with the documented hysteresis loops.
 #[test]
-fn the_cyclic_example_dissipates_what_it_says() {
+fn the_cyclic_example_dissipates_its_documented_energy() {
     let deck = crate::common::examples::load("41_cyclic_block", &[]);
     let (model, warnings) = Model::from_deck(&deck).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
@@ -193,7 +193,7 @@ fn the_cyclic_example_dissipates_what_it_says() {
 
 /// A probe moves out and back: the required load is found.
 #[test]
-fn a_steered_displacement_may_turn_back() {
+fn a_controlled_displacement_may_turn_back() {
     let amplitude = ("steps.1.amplitude", "[[0, 0], [0.5, 1], [1, 0.2]]");
     for tangent in ["secant", "consistent"] {
         let deck = crate::common::examples::load(
@@ -230,7 +230,7 @@ fn a_steered_displacement_may_turn_back() {
 
 /// The wallette of the example: turning points are reached, energies balance, loops are wide.
 #[test]
-fn a_wallette_is_sheared_to_and_fro() {
+fn a_wallette_is_sheared_cyclically() {
     let deck = crate::common::examples::load("42_cyclic_wall", &[]);
     let recording = completed(&Model::from_deck(&deck).unwrap().0);
     let rows: Vec<&HistoryRow> = recording.rows.iter().filter(|r| r.step == 1).collect();

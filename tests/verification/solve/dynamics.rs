@@ -197,7 +197,7 @@ fn a_record_is_linear_between_its_rows_and_zero_outside() {
 }
 
 #[test]
-fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
+fn a_driven_beam_supplies_the_energy_of_the_moved_bodies() {
     let (mut model, _) = column();
     let top: Vec<u32> = (0..model.mesh.nodes.len() as u32)
         .filter(|&n| model.mesh.nodes[n as usize][2] == 200.0)
@@ -237,7 +237,7 @@ fn a_driven_beam_brings_in_the_energy_of_what_it_moves() {
 }
 
 #[test]
-fn inertia_without_mass_is_refused() {
+fn inertia_without_mass_is_rejected() {
     let mut model = scene::empty();
     let solid = scene::elastic(1e4, 0.2);
     scene::block(&mut model, [0.0; 3], [60.0, 40.0, 50.0], [1, 1, 1], &solid);
@@ -327,7 +327,7 @@ fn wall_with(overrides: &[(&str, &str)]) -> Result<Model, wythe::error::ModelErr
 }
 
 #[test]
-fn the_deck_says_what_inertia_does() {
+fn keys_of_inertia_reach_the_model() {
     let model = wall_with(&[
         ("steps.0.procedure", "quasi_static"),
         ("steps.1.procedure", "dynamic"),
@@ -480,7 +480,7 @@ fn a_block_slides_on_a_shaken_ground() {
 
 /// A wall that is slowly accelerated by 0.1 g along x under gravity exerts its mass times both on its supports.
 #[test]
-fn a_wall_on_an_accelerating_ground_asks_for_its_mass_times_that() {
+fn the_reaction_of_a_wall_on_accelerating_ground_is_its_mass_times_that() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("ramp.csv"), "0,0\n20,0.1\n").unwrap();
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));

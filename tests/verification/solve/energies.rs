@@ -57,7 +57,7 @@ fn warns(summary: &Summary) -> bool {
 /// about its edge. The work of its shear tractions on this rotation was missing once, 16 % of the total for any
 /// increments.
 #[test]
-fn shear_in_a_joint_that_gapes_and_turns_is_counted() {
+fn work_of_shear_in_a_rotating_open_joint_is_counted() {
     let path = format!("{}/examples/40_airbag.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     let (energies, summary) = run(&text, &[("interfaces.joint.f_t", "0.001 MPa")]);
@@ -73,7 +73,7 @@ fn shear_in_a_joint_that_gapes_and_turns_is_counted() {
 /// A block of 50 km on a joint: its stiffness makes the forces smaller than rounding. It is rejected for its
 /// material.
 #[test]
-fn a_block_whose_forces_drown_in_rounding_is_refused() {
+fn a_block_whose_forces_are_below_rounding_is_rejected() {
     let deck = Deck::from_str(
         include_str!("../../data/scenes/tall_block.toml"),
         "deck.toml",
@@ -86,7 +86,7 @@ fn a_block_whose_forces_drown_in_rounding_is_refused() {
 /// Blocks that separate and slide everywhere in one increment. The friction in this increment was once 29 % more than
 /// the work done; with rigid units 5 %.
 #[test]
-fn a_dry_wall_that_begins_to_move_closes_its_energies() {
+fn a_dry_wall_that_starts_to_move_balances_its_energies() {
     let text = include_str!("../../data/scenes/dry_wall_window.toml");
     let rigid = [("wall.rigid", "true"), ("blocks.0.rigid", "true")];
     for set in [&[][..], &rigid[..]] {

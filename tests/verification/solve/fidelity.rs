@@ -128,7 +128,7 @@ fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
 /// Facets across the plane meet facets that end in it. Only the points on the modelled side are paired, and those
 /// beyond are shown as their mirror images.
 #[test]
-fn facets_across_the_plane_face_what_ends_in_it() {
+fn facets_across_the_plane_meet_facets_that_end_in_it() {
     let text = r#"format = 1
 [materials.stone]
 E = 1000
@@ -189,7 +189,7 @@ tolerance = { residual = 1e-8 }
 /// A load may be controlled by the mean of a body that the plane cuts: nodes in the plane count once, those beside it
 /// twice.
 #[test]
-fn a_mean_over_the_plane_steers_the_half() {
+fn a_mean_across_the_plane_controls_the_half() {
     let steered = r#"
 [[steps]]
 kind = "load"
@@ -253,7 +253,7 @@ tolerance = { residual = 1e-8 }
 /// The summary describes the solved part, sizes are those of the whole, and reported nodes have their numbers in the
 /// whole.
 #[test]
-fn the_summary_tells_of_the_half_and_numbers_are_those_of_the_whole() {
+fn the_summary_describes_the_half_and_numbers_are_those_of_the_whole() {
     let pressed = "[[steps]]\nkind = \"load\"\nloads = [{ name = \"weight\", on = \"wall.top\", pressure = 1.0 }]\n";
     let (deck, mut model) = deck_and_model(&format!("{}{pressed}", stack()));
     let (_, summary) = scene::run(&model);
@@ -323,7 +323,7 @@ loads = [{ name = "water", pressure = 2, on = ["house.left", "house.right", "hou
 
 /// An asymmetric model is solved as a whole, with bitwise equal results.
 #[test]
-fn what_is_no_mirror_image_is_solved_whole() {
+fn models_without_symmetry_are_solved_whole() {
     let whole = format!("{WALL}{STEPS}");
     let odd = [
         // The wall is pulled to one side.
@@ -388,7 +388,7 @@ fn the_checker_offers_the_half() {
 
 /// The error of elastic solids is reported.
 #[test]
-fn elastic_solids_tell_how_far_they_went() {
+fn elastic_solids_report_their_largest_stress_ratio() {
     let pressed = |pressure: f64| {
         let text = format!(
             "{WALL}[[steps]]\nkind = \"load\"\nloads = [{{ name = \"weight\", on = \"wall.top\", pressure = {pressure} }}]\n"

@@ -349,7 +349,7 @@ fn forces_at_points_and_along_lines_bend_a_strip_as_a_beam() {
 
 /// A load remains in later steps, changes if its name is repeated, and is removed by 0.
 #[test]
-fn a_load_stays_until_its_name_is_said_anew() {
+fn a_load_remains_until_its_name_is_repeated() {
     let loads = "[[steps.loads]]\nname = \"a\"\non = \"strip.right\"\nforce = [0, 0, 0.01]\n\
          [[steps.loads]]\nname = \"b\"\non = \"strip.right\"\nforce = [0, 0.02, 0]\n\
          [[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"a\"\nforce = [0, 0, 0.03]\n\
@@ -376,7 +376,7 @@ fn a_load_stays_until_its_name_is_said_anew() {
 
 /// A pressure that is controlled by the tip's displacement, or by time with inertia, ends at the same place.
 #[test]
-fn an_airbag_is_steered_by_a_displacement_or_by_inertia() {
+fn an_airbag_is_controlled_by_a_displacement_or_by_inertia() {
     let loads = |p: f64| {
         format!("[[steps.loads]]\nname = \"bag\"\non = \"strip.bottom\"\npressure = {p}\n")
     };

@@ -37,7 +37,7 @@ direction = "x"
 "#;
 
 #[test]
-fn the_opening_of_a_crack_steers_the_load_through_a_snap_back() {
+fn the_opening_of_a_crack_controls_the_load_through_a_snap_back() {
     let recording = bar(&format!(
         r#"{OPENING}
         [[steps]]
@@ -163,7 +163,7 @@ fn increments(initial: f64, max: f64, peak: f64) -> Increments {
 }
 
 #[test]
-fn an_arch_snaps_through_and_both_ways_of_steering_its_weight_agree() {
+fn an_arch_snaps_through_and_both_controls_of_its_weight_agree() {
     let curve = |how| {
         let model = shallow_arch(how, increments(0.01, 0.01, 1.0));
         let rows = completed(&model).rows;

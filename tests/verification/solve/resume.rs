@@ -182,7 +182,7 @@ fn a_wall_that_cracks() {
 /// A slender column in bending is too badly conditioned for factors in single precision, a stocky one is not. The
 /// first increment detects this, the other increments of the step use it, and so does a resumed run.
 #[test]
-fn a_column_that_wants_double_precision() {
+fn a_column_that_needs_double_precision() {
     for (cells, wants) in [(100, true), (8, false)] {
         let mut model = scene::empty();
         let solid = scene::heavy(1e4, 0.2, 2e-9);
@@ -211,7 +211,7 @@ fn a_column_that_wants_double_precision() {
 
 /// One half is solved, and its solids remain elastic.
 #[test]
-fn a_wall_of_less_fidelity() {
+fn a_wall_with_automatic_simplifications() {
     for (fidelity, seed) in [("auto", 51), ("elastic", 52)] {
         let less = [
             ("fidelity", fidelity),
@@ -226,7 +226,7 @@ fn a_wall_of_less_fidelity() {
 
 /// Factors are reused for several iterates of an increment, but not in the next increment.
 #[test]
-fn a_wall_that_factorises_less() {
+fn a_wall_with_reused_factors() {
     let less = [
         ("steps.1.displacement", "0.8 mm"),
         ("steps.1.increments", "{ initial = 0.05, max = 0.1 }"),
@@ -341,7 +341,7 @@ fn a_step_that_stops_by_itself() {
 }
 
 #[test]
-fn a_peak_that_is_seen() {
+fn a_peak_with_short_increments() {
     let of = |peak| {
         let model = deck(
             "examples/85_arch_sideways.toml",
@@ -383,7 +383,7 @@ fn a_unit_that_tears_off() {
 
 /// Without viscosity bricks snap: the procedure falls back and returns all the time.
 #[test]
-fn a_wall_on_the_ladder() {
+fn a_wall_with_procedure_fallback() {
     let model = deck(
         "tests/stability/small_wall.toml",
         &[
@@ -399,7 +399,7 @@ fn a_wall_on_the_ladder() {
 /// Doubling the last step is equal to a run that had this length from the start, while increments do not depend on
 /// its end.
 #[test]
-fn a_longer_last_step_goes_on_in_the_same_increments() {
+fn a_longer_last_step_continues_with_the_same_increments() {
     let of = |displacement: f64, part: f64| {
         let mut model = crate::common::small_wall();
         let step = &mut model.steps[1];
@@ -441,7 +441,7 @@ fn a_longer_last_step_goes_on_in_the_same_increments() {
 }
 
 #[test]
-fn another_model_is_refused() {
+fn another_model_is_rejected() {
     let model = deck("examples/01_couplet_tension.toml", &[]);
     let mut keeper = Keeper {
         stop_after: Some(2),

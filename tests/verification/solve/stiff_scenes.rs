@@ -40,7 +40,7 @@ fn a_pier_below_a_beam_rocks_as_a_rigid_body() {
 }
 
 #[test]
-fn the_checker_tells_what_is_rigid_and_what_beams_are() {
+fn the_checker_reports_rigid_bodies_and_beams() {
     let deck = parsed(PIER);
     let (model, _) = Model::from_deck(&deck).unwrap();
     let report = check(&deck, &model);
@@ -103,7 +103,7 @@ fn columns_below_a_lintel_fall_at_the_angle_of_one_block() {
 }
 
 #[test]
-fn columns_are_blocks_on_each_other_also_when_they_are_turned() {
+fn rotated_columns_are_blocks_on_each_other_too() {
     let text = include_str!("../../../examples/68_trilithon.toml");
     let model = Model::from_deck(&parsed(text)).unwrap().0;
     // Three joints in each column, two feet, two heads.
@@ -275,7 +275,7 @@ fn bad_columns_name_the_key_and_the_fix() {
 
 /// If a body is rigid, the stiffness of its joints must be given explicitly, also below beams.
 #[test]
-fn joints_of_what_is_rigid_have_a_stiffness_of_their_own() {
+fn joints_of_rigid_bodies_need_an_explicit_stiffness() {
     let soft = "[interfaces.soft]\nf_t = 0\nc = 0\ntan_phi = 0.7\nmu = 0.7\n[contact]";
     // Only the wall is rigid.
     let good = PIER.replace("[contact]", soft).replace(
@@ -302,7 +302,7 @@ fn joints_of_what_is_rigid_have_a_stiffness_of_their_own() {
 }
 
 #[test]
-fn keys_without_effect_are_told() {
+fn keys_without_effect_are_reported() {
     let keys = |text: &str| -> Vec<String> {
         let (_, warnings) = Model::from_deck(&parsed(text)).unwrap_or_else(|e| panic!("{e}"));
         warnings.into_iter().map(|w| w.key).collect()
@@ -316,7 +316,7 @@ fn keys_without_effect_are_told() {
 
 /// A step of gravity has no beam, and no message about a face that it does not name.
 #[test]
-fn a_key_that_is_not_there_is_not_told() {
+fn an_absent_key_is_not_reported() {
     let text = PIER.replace("kind = \"gravity\"", "kind = \"gravity\"\nbeam = \"beam\"");
     let error = Deck::from_str(&text, "scene.toml").unwrap_err();
     let keys: Vec<&str> = error.all().map(wythe::error::ModelError::key).collect();

@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_area_is_the_energy_and_the_slopes_are_those_of_the_curve() {
+    fn the_area_of_the_curve_is_its_energy_and_slopes_are_its_derivatives() {
         let curve = CapCurve::with_energy(8.5, 0.09, 5.0).unwrap();
         let n = 2_000_000;
         let (end, mut area) = (20.0 * curve.middle, 0.0);

@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_goes_forth_and_back_is_held_to_the_end_of_the_increment() {
+    fn a_point_that_changes_branch_twice_is_held_for_the_increment() {
         let mut points = HeldBranches::default();
         points.resize(2);
         // The first iterate of an increment counts no change.

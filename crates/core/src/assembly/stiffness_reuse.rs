@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn an_element_is_kept_until_it_turns_or_its_strain_changes() {
+    fn element_stiffness_is_reused_until_rotation_or_strain_changes() {
         let (corners, shape) = cube();
         let kept = |pose: [f64; 2], now: [f64; 2], part| {
             let [pose, now] = [pose, now].map(|[angle, strain]| moved(&corners, angle, strain));
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn an_increment_begins_with_the_poses_of_the_state() {
+    fn an_increment_reuses_stiffness_only_of_unmoved_elements() {
         let (corners, _) = cube();
         let elsewhere = moved(&corners, 0.1, 0.0);
         let poses = Poses {

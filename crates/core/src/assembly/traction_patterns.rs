@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_node_feels_is_settled_whole_and_what_they_feel_is_left() {
+    fn patterns_without_nodal_force_settle_fully_and_others_hardly() {
         assert_eq!(
             settling(&pair([0.3, -0.3], 0.01), &DofMap::of(8, &[], &[], &[])),
             [[0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]]

@@ -284,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_chain_from_the_ground_holds() {
+    fn bodies_connected_to_the_ground_are_held() {
         let held = [true, false, false, false, false];
         // 0–2–1 is joined to the ground, 3–4 is not.
         let joints = [(2, 1), (0, 2), (3, 4)];

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn depths_are_the_least_ways_out() {
+    fn depths_are_the_smallest_separating_distances() {
         let base = cube([0.0; 3], 0.0);
         assert_eq!(depth(&base, &cube([0.75, 0.5, 0.5], 0.0)), Some(0.25));
         assert_eq!(depth(&base, &cube([1.0, 0.0, 0.0], 0.0)), None);
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn very_many_boxes_in_one_place_are_told_without_looking_at_each_pair() {
+    fn very_many_coincident_boxes_are_reported_without_testing_each_pair() {
         // One by one, 5e9 pairs would take minutes.
         let boxes = vec![[[0.0, 1.0]; 3]; 100_000];
         assert!(near(&boxes, 0.0).is_err());

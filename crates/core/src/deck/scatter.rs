@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn more_laws_than_facets_can_tell_apart_are_refused() {
+    fn more_laws_than_facet_indices_allow_are_rejected() {
         let scattered = deck(&[("interfaces.joint.scatter.cv", "0.3")]);
         let mut most = contact(&scattered, 65536);
         scatter(&scattered, &mut most).unwrap();

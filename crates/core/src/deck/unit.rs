@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lacks_the_sign_of_a_power_is_offered_with_it() {
+    fn a_unit_without_the_power_sign_is_suggested_with_it() {
         for (text, better) in [
             ("2 N/mm2", "2 N/mm^2"),
             ("20 kN/m2", "20 kN/m^2"),
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_quantity_is_refused() {
+    fn values_that_are_not_quantities_are_rejected() {
         for text in [
             "",
             "MPa",

@@ -43,7 +43,7 @@ mod tests {
 
     /// Oliver's lengths in closed form: the edge along an edge, a/cos θ for a crack rotated by θ.
     #[test]
-    fn a_block_is_as_wide_as_the_way_through_its_centre() {
+    fn the_width_of_a_block_is_that_of_oliver() {
         let (a, b, c) = (51.0, 12.5, 49.0);
         let of = extent(&block(a, b, c), a * b * c).expect("a sound block");
         for (n, width) in [

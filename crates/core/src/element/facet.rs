@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_turn_as_central_differences_say() {
+    fn derivatives_of_areas_equal_central_differences() {
         const H: f64 = 1e-3;
         let slopes = turning(&WARPED);
         for b in 0..4 {

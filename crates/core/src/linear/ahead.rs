@@ -95,7 +95,7 @@ mod tests {
 
     /// Factors that fit into the caches are not prefetched.
     #[test]
-    fn what_is_near_is_left() {
+    fn small_gaps_are_not_read_ahead() {
         let (numbers, starts) = (vec![0.0_f64; 8], [0, 4, 8]);
         let mut ahead = Ahead::new(&numbers, &starts);
         let all = ahead.read.clone();

@@ -41,7 +41,7 @@ fn a_good_matrix_is_refined_from_single_precision() {
 }
 
 #[test]
-fn a_bad_matrix_is_solved_in_double_precision_and_so_are_those_after_it_until_trust_returns() {
+fn ill_conditioned_matrices_switch_to_double_precision_for_some_time() {
     let (pattern, good) = wall(5.0);
     let (_, bad) = wall(1e-7);
     let scaled = |values: &[f64]| -> Vec<f64> { values.iter().map(|a| 1.5 * a).collect() };
@@ -115,7 +115,7 @@ fn verdicts_are_those_of_double_precision() {
 }
 
 #[test]
-fn numbers_beyond_single_precision_are_no_harm() {
+fn numbers_beyond_the_range_of_single_precision_are_solved() {
     let (pattern, values) = wall(5.0);
     let mut solver = mixed(&pattern);
     let tiny: Vec<f64> = rhs(pattern.n()).iter().map(|x| x * 1e-200).collect();

@@ -45,7 +45,7 @@ fn error(pattern: &Pattern, values: &[f64], x: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_matrix_near_the_one_that_was_factorised_is_solved_to_a_twentieth() {
+fn a_matrix_near_the_factorised_one_is_solved_to_a_twentieth() {
     let (pattern, [values, other]) = beside(97, 1.0);
     let n = pattern.n();
     for backend in [Backend::MixedLlt, Backend::MultifrontalLlt] {
@@ -70,7 +70,7 @@ fn a_matrix_near_the_one_that_was_factorised_is_solved_to_a_twentieth() {
 }
 
 #[test]
-fn what_is_not_near_is_left_as_it_was_and_told() {
+fn a_distant_matrix_is_reported_and_the_vector_unchanged() {
     let (pattern, [values, other]) = beside(2, 1e6);
     let b = rhs(pattern.n());
     let refused = |solver: &mut LinearSolver, values: &[f64]| {

@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_symmetric_pattern_is_taken_and_grouped() {
+    fn a_symmetric_pattern_is_accepted_and_grouped() {
         // Equations 0 and 1 couple to everything, 2 and 3 not to each other.
         let p = Pattern::new(
             4,
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_symmetric_is_refused() {
+    fn an_unsymmetric_pattern_is_rejected() {
         for (col_ptr, row_idx) in [
             (vec![0, 2, 3], vec![0, 1, 1]),    // (1, 0) without (0, 1)
             (vec![0, 1, 3], vec![0, 0, 1]),    // (0, 1) without (1, 0)

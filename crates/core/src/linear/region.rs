@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_balance_in_few_places_is_found_there() {
+    fn local_residuals_are_located() {
         let pattern = chain(10);
         let mut r = [0.1; 10];
         (r[4], r[5]) = (-3.0, 2.0);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn rings_grow_by_couplings_and_leave_out_what_has_no_place() {
+    fn regions_grow_along_couplings_without_nodes_that_have_no_place() {
         let pattern = chain(10);
         let inside = |groups: &[u32], rings, most| {
             let inside = pattern.around(groups.to_vec(), rings, most)?;
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_region_is_solved_with_all_else_held() {
+    fn a_region_is_solved_with_the_rest_fixed() {
         let pattern = chain(6);
         // 2 on the diagonal, −1 beside it.
         let values: Vec<f64> = (0..6)

@@ -82,7 +82,7 @@ fn matrices(pattern: &Pattern, first: &[f64]) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
+fn reused_factors_are_bitwise_those_of_a_complete_factorisation() {
     // Some twenty tasks, a front divided into pieces (see the test of threads), and a hundred units.
     let (pattern, values) = solid([18, 7, 18], 5.0, 0.0, 12);
     for backend in THREE {
@@ -120,7 +120,7 @@ fn factors_that_are_kept_give_the_bits_of_a_whole_factorisation() {
 }
 
 #[test]
-fn nothing_is_kept_of_matrices_that_change_everywhere() {
+fn nothing_is_reused_of_matrices_that_change_everywhere() {
     let (pattern, mut values) = solid([9, 3, 10], 5.0, 0.0, 1);
     for backend in THREE {
         let mut solver = LinearSolver::analyse(&pattern, Options::new(backend)).unwrap();

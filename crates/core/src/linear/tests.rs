@@ -223,7 +223,7 @@ fn the_solution_has_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
-fn an_analysis_serves_what_has_the_very_pattern_and_nothing_else() {
+fn an_analysis_is_reused_only_for_an_identical_pattern() {
     let (pattern, values) = solid([4, 3, 5], 5.0, 1e-3, 12);
     let options = Options::new(Backend::MixedLlt);
     let mut first = LinearSolver::analyse(&pattern, options).unwrap();
@@ -261,7 +261,7 @@ fn an_analysis_serves_what_has_the_very_pattern_and_nothing_else() {
 }
 
 #[test]
-fn a_mesh_that_lies_askew_is_cut_as_well_as_one_along_the_axes() {
+fn dissection_does_not_depend_on_the_orientation_of_the_mesh() {
     let (pattern, _) = solid([14, 14, 14], 5.0, 0.0, 13);
     let places = pattern.coordinates().unwrap().to_vec();
     let node: Vec<u32> = (0..pattern.n()).map(|j| (j / 3) as u32).collect();
@@ -291,7 +291,7 @@ fn a_mesh_that_lies_askew_is_cut_as_well_as_one_along_the_axes() {
 }
 
 #[test]
-fn a_cube_costs_less_dissected_than_by_minimum_degree() {
+fn nested_dissection_of_a_cube_costs_less_than_minimum_degree() {
     let (pattern, _) = solid([14, 14, 14], 5.0, 0.0, 13);
     let flops = |ordering| {
         let options = Options {
@@ -329,7 +329,7 @@ fn a_floating_body_is_reported_never_solved() {
 }
 
 #[test]
-fn an_indefinite_matrix_is_refused_by_cholesky_and_taken_by_lu() {
+fn an_indefinite_matrix_is_rejected_by_cholesky_and_solved_by_lu() {
     let (pattern, mut values) = solid([4, 3, 4], 5.0, 0.0, 10);
     let entry = pattern.find(70, 70).unwrap();
     values[entry] -= 500.0;
@@ -374,7 +374,7 @@ fn lu_pivots_within_a_front() {
 }
 
 #[test]
-fn what_needs_pivots_from_other_fronts_goes_to_the_refuge() {
+fn a_matrix_that_needs_pivots_from_other_fronts_uses_the_fallback() {
     // Three blocks without stiffness of their own, each coupled with its part of a fourth block. They are too large
     // to be merged with it, and singular in their own fronts.
     let (parts, size) = (3, 40);

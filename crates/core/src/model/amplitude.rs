@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_met_exactly_and_lines_lie_between() {
+    fn rows_are_exact_and_interpolation_is_linear() {
         let amplitude =
             Amplitude::new(vec![[0.0, 0.0], [0.1, 1.0], [0.7, -0.3], [1.0, 0.2]]).unwrap();
         for i in 0..amplitude.branches() {
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn cycles_go_forth_and_back_at_one_rate() {
+    fn cycles_alternate_at_a_constant_rate() {
         let cycles = Amplitude::cycles(&[1.0, 2.0], 2).unwrap();
         // Paths of 8 mm and 16 mm, 24 mm in all.
         let factors: Vec<f64> = cycles.rows().iter().map(|row| row[1]).collect();
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_are_none_are_refused_with_the_row_to_blame() {
+    fn invalid_rows_are_rejected_with_their_number() {
         for (rows, row) in [
             (vec![[0.0, 0.0]], 0),
             (vec![[0.1, 0.0], [1.0, 1.0]], 0),

@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_that_touch_keep_their_skins_and_one_of_two_blocks_has_no_inner_face() {
+    fn touching_bodies_keep_their_boundary_and_a_joined_body_has_no_inner_face() {
         let mut mesh = blocks(&[([0.0; 3], [2, 1, 1]), ([2.0, 0.0, 0.0], [1, 1, 1])]);
         let skin = BoundaryFacets::of(&mesh);
         assert_eq!((skin.facets.len(), skin.edges.len()), (10 + 6, 16 + 12));

@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn strains_are_taken_and_stresses_are_met() {
+    fn prescribed_strains_and_stresses_are_reached() {
         let targets = [Target::Strain(0.01), Target::Stress(3.0)];
         let state = advance(&law, &State::at_rest(0.0), &row(2.0, targets), steps(1))
             .unwrap()
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn substeps_share_the_way_and_the_time() {
+    fn substeps_divide_the_path_and_the_time() {
         let targets = [Target::Strain(0.01), Target::Stress(3.0)];
         let from = State::at_rest(0.0);
         let once = advance(&law, &from, &row(2.0, targets), steps(1))
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stress_beyond_the_strength_is_refused() {
+    fn a_stress_beyond_the_strength_is_rejected() {
         let perfect = |strain: &Vector2<f64>, h: &f64, _dt: f64| {
             let trial = 1000.0 * strain[1];
             let elastic = trial.abs() <= 1.0;

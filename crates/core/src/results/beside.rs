@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_not_be_written_is_told_to_whoever_comes_next() {
+    fn a_write_error_is_reported_by_the_next_call() {
         let model = fake::model();
         let folder = tempfile::tempdir().unwrap();
         let writer = VtkHdfWriter::create(&folder.path().join("results.vtkhdf"), &model).unwrap();

@@ -161,7 +161,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn what_goes_on_stays_as_it_is_but_for_jitter() {
+    fn a_monotonic_curve_changes_only_by_its_jitter() {
         let curve = [(0.0, 0.0), (1.0, 10.0), (0.99, 10.5), (2.0, 8.0)];
         assert!(!returns(&curve));
         let branch = Branch::new(&curve, 1.0);

@@ -219,14 +219,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_bit_for_bit() {
+    fn a_checkpoint_is_read_back_bit_for_bit() {
         let read: Content = decode(&sealed(&content())).unwrap();
         assert_eq!(read, content());
         assert_eq!(read.1[1].to_bits(), (-0.0_f64).to_bits());
     }
 
     #[test]
-    fn every_cut_and_every_changed_byte_is_refused() {
+    fn every_truncation_and_every_changed_byte_is_rejected() {
         let whole = sealed(&content());
         for end in 0..whole.len() {
             assert!(decode::<Content>(&whole[..end]).is_err(), "{end} bytes");
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_length_beyond_the_bytes_is_refused_without_room_for_it() {
+    fn a_length_beyond_the_file_is_rejected_without_allocation() {
         // A vector of 2⁶³ numbers, as a varint, in a file with a valid check sum.
         let mut bytes = vec![0; HEAD];
         bytes.push(0);

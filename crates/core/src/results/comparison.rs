@@ -205,7 +205,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_curve_is_its_own_equal_whichever_way_it_goes() {
+    fn a_curve_equals_itself_in_either_direction() {
         for sign in [1.0, -1.0] {
             let curve = Curve::of_points(&WALL.map(|p| (sign * p.0, sign * p.1)));
             let found = compare(&curve, &experiment(&WALL), Some(1000.0));
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_is_the_root_mean_square_over_what_both_cover() {
+    fn an_offset_is_a_root_mean_square_over_the_common_range() {
         let curve = Curve::of_points(&WALL);
         let higher: Vec<Point> = WALL[..4].iter().map(|p| (p.0, p.1 + 5.0)).collect();
         let found = compare(&curve, &experiment(&higher), None);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn curves_that_never_meet_are_told_apart_by_none() {
+    fn curves_without_a_common_range_have_no_distance() {
         let curve = Curve::of_points(&WALL);
         let found = compare(&curve, &experiment(&[(5.0, 1.0), (6.0, 2.0)]), None);
         assert_eq!(

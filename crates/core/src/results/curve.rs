@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn driven_the_other_way_it_reads_the_same_with_its_signs() {
+    fn a_reversed_drive_gives_the_same_values_with_opposite_signs() {
         let mirrored: Vec<_> = WALL.iter().map(|p| (-p.0, -p.1)).collect();
         let (wall, other) = (curve(&[], &WALL), curve(&[], &mirrored));
         let peak = other.peak().unwrap();
@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_happened_is_none() {
+    fn events_that_did_not_occur_are_none() {
         let nothing = curve(&[(0.0, 0.0)], &[]);
         assert_eq!(nothing.peak(), None);
         assert_eq!(nothing.initial_stiffness(), None);
@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_inertia_carries_to_the_next_equilibrium_is_no_peak() {
+    fn an_overshoot_by_inertia_is_not_a_peak() {
         assert_eq!(snaps(true).peak().unwrap().force, 12.0);
         // If the deck asks for inertia, its forces count.
         assert_eq!(snaps(false).peak().unwrap().force, 15.0);

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_history_goes_on_after_the_rows_that_count() {
+    fn a_resumed_history_continues_after_the_valid_rows() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("history.csv");
         let model = fake::model();
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn links_to_a_history_keep_what_they_had() {
+    fn links_to_a_history_keep_their_content() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let model = fake::model();

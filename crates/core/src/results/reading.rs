@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn half_a_row_is_left_out_and_what_is_wrong_is_told_with_its_line() {
+    fn an_incomplete_row_is_omitted_and_errors_are_reported_with_their_line() {
         let folder = tempfile::tempdir().unwrap();
         assert!(matches!(
             RunFolder::open(folder.path()),

@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_that_do_not_fit_are_refused() {
+    fn fields_that_do_not_fit_are_rejected() {
         let (_keep, folder) = folder();
         let mut snapshot = Snapshots::open(&folder)
             .unwrap()

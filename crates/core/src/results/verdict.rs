@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_to_and_fro_has_a_peak_where_it_comes_as_far_out_again_with_less() {
+    fn a_cyclic_drive_has_a_peak_if_a_later_cycle_has_less_force() {
         let first = [
             (0.0, 0.0),
             (2.0, 50.0),
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lost_or_interrupted_has_a_largest_force_until_then() {
+    fn failed_and_interrupted_runs_have_a_largest_force() {
         let mut lost = fake::summary(Status::NotConverged);
         lost.lost = Some(crate::state::Lost {
             place: "load factor 0.3652 of step 1 (push)".to_owned(),
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn loads_that_are_carried_stand_and_what_moves_does_not() {
+    fn carried_loads_stand_and_moving_models_do_not() {
         let mut model = fake::model();
         model.steps.truncate(1);
         model.steps[0].procedure = Procedure::Auto;

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_begins_to_move_moves() {
+    fn a_model_moves_if_its_kinetic_energy_grows() {
         // Kinetic energies at the end and at the start, with 1 as the energy taken.
         assert!(is_moving(QUIET, QUIET, 1.0));
         assert!(is_moving(1e-4, 0.0, 1.0) && is_moving(1e-4, 8e-5, 1.0));

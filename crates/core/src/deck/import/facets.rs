@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_are_what_hangs_together() {
+    fn connected_elements_form_a_body() {
         let cube = |first: u32| std::array::from_fn(|n| first + n as u32);
         let mut mesh = ImportedMesh {
             nodes: vec![[0.0; 3]; 20],

@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn stresses_and_damages_are_met_where_either_bends() {
+    fn merged_tables_have_the_rows_of_stress_and_damage() {
         let (made, notes) = material().in_a_deck(None).unwrap();
         // At 0.006: half way from 10 to 2; beyond 0.01 the stress is constant.
         assert_eq!(
@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_said() {
+    fn missing_tables_are_reported() {
         let mut m = material();
         m.hardening.clear();
         let error = m.in_a_deck(None).unwrap_err();

@@ -25,7 +25,7 @@ mod tests {
     use super::find;
 
     #[test]
-    fn a_name_is_found_by_what_is_left_of_it() {
+    fn a_name_is_found_without_case_or_prefix_if_unique() {
         let names = ["Brick-1.Top", "Brick-2.Base", "bricks", "Bricks"];
         let find = |wanted| find(wanted, names);
         assert_eq!(find("Bricks"), Some("Bricks"));

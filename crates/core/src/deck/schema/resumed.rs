@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_matters_is_named_with_both_values() {
+    fn changed_keys_are_reported_with_both_values() {
         for (key, value, named) in [
             ("materials.brick.E", "17 GPa", "materials.brick.E"),
             (
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shorter_a_backward_or_a_faster_step_is_refused() {
+    fn a_shorter_a_backward_or_a_faster_step_is_rejected() {
         let before = deck(&[("steps.1.displacement", "4")]);
         for (displacement, duration) in [("3", "1"), ("-8", "1"), ("8", "1.5")] {
             let now = deck(&[

@@ -53,7 +53,7 @@ fn trials() -> Vec<TrialStress> {
 
 /// Both solutions find the same root, and the explicit one nearly always converges.
 #[test]
-fn both_ways_to_the_root_agree() {
+fn both_root_searches_agree() {
     let (mut explicit, mut all) = (0, 0);
     for law in laws() {
         for trial in trials() {
@@ -86,7 +86,7 @@ fn both_ways_to_the_root_agree() {
 
 /// df/dμ equals −f_λ/η_λ from the general derivatives.
 #[test]
-fn the_fall_is_the_slope_along_mu() {
+fn the_derivative_along_mu_equals_the_general_one() {
     for law in laws() {
         for trial in trials() {
             for mu in [0.0, 0.1, 0.7, 0.97] {

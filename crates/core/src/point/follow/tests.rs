@@ -44,7 +44,7 @@ fn shear_path() -> Vec<Row<3>> {
 }
 
 #[test]
-fn given_strains_are_the_law_row_by_row() {
+fn prescribed_strains_reproduce_the_law_row_by_row() {
     let (law, rows) = (joint(), shear_path());
     let walk = interface_path(&law, &rows, ONCE);
     assert_eq!((walk.records.len(), walk.failure), (rows.len(), None));
@@ -64,7 +64,7 @@ fn given_strains_are_the_law_row_by_row() {
 }
 
 #[test]
-fn a_path_may_be_taken_up_where_it_was_left() {
+fn a_path_can_be_resumed() {
     let (law, rows) = (joint(), shear_path());
     let whole = interface_path(&law, &rows, ONCE);
     let (first, second) = rows.split_at(23);
@@ -79,7 +79,7 @@ fn a_path_may_be_taken_up_where_it_was_left() {
 }
 
 #[test]
-fn tangents_are_the_slopes_of_the_answers() {
+fn tangents_are_the_derivatives_of_the_stresses() {
     let law = brick();
     // Beyond the peaks in tension (xx) and with shear, so that the point yields.
     let along = |e: f64| [e, -0.2 * e, -0.1 * e, 0.4 * e, 0.1 * e, 0.0].map(Target::Strain);
@@ -109,7 +109,7 @@ fn tangents_are_the_slopes_of_the_answers() {
 
 /// Uniaxial stress: σ = E ε with E of the template.
 #[test]
-fn stresses_that_are_asked_for_are_met() {
+fn prescribed_stresses_are_reached() {
     let law = brick();
     let (free, pulled) = (Target::Stress(0.0), Target::Strain);
     let rows = rows((1..=4).map(|i| [pulled(5e-5 * f64::from(i)), free, free, free, free, free]));
@@ -124,7 +124,7 @@ fn stresses_that_are_asked_for_are_met() {
 }
 
 #[test]
-fn what_has_no_answer_is_told_by_its_row_and_the_rows_before_are_kept() {
+fn a_failed_row_is_reported_and_the_rows_before_are_kept() {
     let law = joint();
     let pull = |s: f64| [Target::Stress(s), Target::Strain(0.0), Target::Strain(0.0)];
     let walk = interface_path(&law, &rows([0.1, 0.2, 0.4, 0.1].map(pull)), ONCE);

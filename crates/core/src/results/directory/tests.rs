@@ -69,7 +69,7 @@ fn a_run_leaves_its_files_and_the_summary_last() {
 }
 
 #[test]
-fn a_second_run_into_the_folder_of_one_that_goes_on_is_refused() {
+fn a_second_run_into_the_folder_of_a_running_one_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let model = fake::model();
     let mut first = RunDirectory::create(folder.path(), &model).unwrap();
@@ -127,7 +127,7 @@ fn links_where_files_of_a_run_belong_are_replaced() {
 }
 
 #[test]
-fn messages_that_are_not_wanted_are_not_there() {
+fn messages_are_written_only_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let mut model = fake::model();
     drop(RunDirectory::create(folder.path(), &model).unwrap());

@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_model_at_rest_has_what_its_elements_belong_to() {
+    fn an_exported_model_has_groups_of_elements_and_contact_faces() {
         let mut fake = crate::results::fake::model();
         let text = model(&fake);
         for name in ["material", "unit", "course", "support", "beam"] {

@@ -307,7 +307,7 @@ mod tests {
     use serde_json::Value;
 
     #[test]
-    fn metres_are_those_of_millimetres() {
+    fn millimetres_are_converted_to_metres() {
         for (mm, text) in [
             (0.0, "0"),
             (1000.0, "1"),
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn solids_are_their_skin_where_it_is_now() {
+    fn solids_are_drawn_by_their_deformed_boundary() {
         let model = fake::model();
         let frame = fake::frame(&model, 0.5);
         let text = Scene::of(&model).solids(&model, &frame, 2_500_000_000);

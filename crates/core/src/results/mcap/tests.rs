@@ -221,7 +221,7 @@ fn a_damaged_file_keeps_what_stands_before_the_damage() {
 }
 
 #[test]
-fn what_is_salvaged_elsewhere_leaves_the_file() {
+fn repair_into_another_file_leaves_the_original() {
     let folder = tempfile::tempdir().unwrap();
     let [path, out] = ["run.mcap", "whole.mcap"].map(|name| folder.path().join(name));
     let (run, ends) = record(&path, &model());
@@ -237,7 +237,7 @@ fn what_is_salvaged_elsewhere_leaves_the_file() {
 }
 
 #[test]
-fn what_is_no_file_is_said_and_left() {
+fn other_files_are_reported_and_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let missing = salvage(&path, None).unwrap_err();
@@ -276,7 +276,7 @@ fn end(run: McapWriter, model: &Model) {
 }
 
 #[test]
-fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
+fn a_file_continued_from_its_mark_has_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, path] = ["whole.mcap", "run.mcap"].map(|name| folder.path().join(name));
     let model = model();
@@ -324,7 +324,7 @@ fn a_file_goes_on_from_its_mark_to_the_same_bytes() {
 }
 
 #[test]
-fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
+fn a_file_that_ends_before_its_mark_is_rejected_and_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let model = model();
@@ -347,7 +347,7 @@ fn a_file_that_ends_before_its_mark_is_refused_and_stays() {
 
 /// Records without a check sum are rebuilt: indices and the times of chunks.
 #[test]
-fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
+fn a_changed_bit_before_the_mark_is_detected_or_has_no_effect() {
     let folder = tempfile::tempdir().unwrap();
     let [path, again] = ["run.mcap", "again.mcap"].map(|name| folder.path().join(name));
     let model = model();
@@ -384,7 +384,7 @@ fn a_changed_bit_before_the_mark_is_seen_or_leaves_no_trace() {
 
 /// Ten chunks of 16 MB of zeros in a file of a few kilobytes are read up to the bound for its length.
 #[test]
-fn a_file_that_would_unpack_without_end_is_read_to_a_bound() {
+fn a_file_that_unpacks_without_end_is_read_up_to_a_bound() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let file = std::io::BufWriter::new(std::fs::File::create(&path).unwrap());

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn bars_are_stacked_and_series_without_a_value_are_not_told() {
+    fn bars_are_stacked_and_series_without_a_value_are_omitted() {
         let series = [
             bars("completed", &[100.0, 101.0, 1000.0]),
             bars("collapsed", &[]),
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn values_without_a_logarithm_are_refused() {
+    fn histogram_values_without_a_logarithm_are_rejected() {
         for values in [&[][..], &[0.0], &[f64::NAN], &[1.0, -1.0]] {
             assert!(histogram("", "", "", &[bars("a", values)]).is_err());
         }

@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_said() {
+    fn images_that_cannot_be_drawn_are_errors() {
         assert!(png("no picture", 1.0).is_err());
         let square = format!("{HEAD}</svg>");
         assert!(png(&square, 1e4).unwrap_err().contains("too many"));

@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn spots_are_named_and_only_series_that_are_there_are_in_the_legend() {
+    fn points_are_labelled_and_the_legend_has_only_present_series() {
         let spots = [spot("default", (1.0, 2.0), 0), spot("a < b", (3.0, 0.1), 2)];
         let front = [(1.0, 2.0), (3.0, 0.1)];
         let series = ["of nothing said", "never", "mesh"];
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_not_beside_its_point_is_led_to_it() {
+    fn a_distant_label_has_a_leader_line() {
         let at = (400, 300);
         let beside = place(at, 80, &[]);
         assert_eq!(leader(at, beside), None);
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_logarithm_is_refused() {
+    fn coordinates_without_a_logarithm_are_rejected() {
         for at in [(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)] {
             let chart = Scatter {
                 series: &["a"],

@@ -437,7 +437,7 @@ mod tests {
     /// Two cubes of 100 mm at a distance of 2 mm: one square each from the front, and only one of them in the
     /// section.
     #[test]
-    fn each_panel_shows_what_it_cuts() {
+    fn each_panel_shows_its_section() {
         let model = fake::model();
         let front = elevation(&model, &interface_names(&model));
         assert_eq!(front.polygons.len(), 2);

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_becomes_markup() {
+    fn text_does_not_become_markup() {
         assert_eq!(
             escape("<a b=\"c\" d='e'>&"),
             "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;"
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_within_a_value_is_not_filled() {
+    fn placeholders_within_values_are_not_replaced() {
         let page = fill("{{A}}, {{B}}.", &[("A", "{{B}}"), ("B", "b")]);
         assert_eq!(page, "{{B}}, b.");
         assert_eq!(fill("a {{ b", &[]), "a {{ b");

@@ -139,7 +139,7 @@ mod tests {
     use crate::results::fake;
 
     #[test]
-    fn long_histories_keep_what_must_be_there() {
+    fn thinned_histories_keep_the_required_rows() {
         assert_eq!(chosen(3, [1]), [0, 1, 2]);
         let kept = chosen(100_003, [77_777, 100_002, 200_000]);
         assert!(kept.len() <= ROWS + 2 && kept.is_sorted());
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_columns_come_back() {
+    fn the_columns_are_decoded_unchanged() {
         let rows = vec![
             fake::row(1, 0, 0.0, 5.0),
             fake::row(2, 1, 1.0, 20.0),

@@ -40,7 +40,7 @@ fn data(html: &str) -> serde_json::Value {
 }
 
 #[test]
-fn a_whole_run_is_on_the_page_and_nothing_from_outside() {
+fn a_page_has_the_whole_run_and_loads_nothing_external() {
     let folder = tempfile::tempdir().unwrap();
     run(folder.path());
     let report = report(folder.path());
@@ -103,7 +103,7 @@ fn a_deck_cannot_write_markup_into_the_page() {
 }
 
 #[test]
-fn frames_are_left_out_where_the_page_would_become_too_large() {
+fn frames_are_omitted_if_the_page_would_become_too_large() {
     let folder = tempfile::tempdir().unwrap();
     let model = fake::model();
     let mut run = RunDirectory::create(folder.path(), &model).unwrap();
@@ -137,7 +137,7 @@ fn frames_are_left_out_where_the_page_would_become_too_large() {
 }
 
 #[test]
-fn a_folder_that_lacks_parts_gives_a_page_of_what_is_there() {
+fn an_incomplete_folder_gives_a_page_of_its_parts() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     run(path);
@@ -171,7 +171,7 @@ fn a_folder_that_lacks_parts_gives_a_page_of_what_is_there() {
 }
 
 #[test]
-fn an_undriven_run_and_numbers_that_are_none_are_no_trouble() {
+fn undriven_runs_and_numbers_that_are_not_finite_give_a_page() {
     let folder = tempfile::tempdir().unwrap();
     let model = fake::model();
     let mut run = RunDirectory::create(folder.path(), &model).unwrap();

@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn copies_take_their_share_and_no_more() {
+    fn copies_take_at_most_their_share_of_time() {
         let s = Duration::from_secs_f64;
         assert!(in_budget(s(0.0), s(0.2), s(10.0)));
         assert!(in_budget(s(0.1), s(0.1), s(10.0)));
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_is_replaced_whole_or_stays() {
+    fn a_published_copy_is_replaced_as_a_whole_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let mut publication = Publication::new(&path);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn every_changed_bit_of_what_is_shown_is_seen() {
+    fn every_changed_bit_of_a_published_copy_is_detected() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let mut publication = Publication::new(&path);

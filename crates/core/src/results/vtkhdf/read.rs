@@ -442,7 +442,7 @@ mod tests {
     use crate::results::{VtkHdfWriter, fake};
 
     #[test]
-    fn what_is_written_is_read_bit_for_bit() {
+    fn fields_are_read_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let model = fake::model();
@@ -474,7 +474,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_of_fields_is_said() {
+    fn files_without_fields_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.vtkhdf");
         let missing = FieldsFile::open(&path).unwrap_err();

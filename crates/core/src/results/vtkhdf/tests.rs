@@ -66,7 +66,7 @@ fn every_step_reads_back_from_its_own_offset() {
 }
 
 #[test]
-fn a_frame_of_another_mesh_is_refused_and_leaves_the_steps_as_they_were() {
+fn a_frame_of_another_mesh_is_rejected_and_leaves_the_steps_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.vtkhdf");
     let model = fake::model();
@@ -203,7 +203,7 @@ fn the_history_and_the_deck_lie_beside_the_fields() {
 }
 
 #[test]
-fn a_reopened_file_goes_on_as_if_nothing_had_been() {
+fn a_reopened_file_continues_like_an_uninterrupted_one() {
     let folder = tempfile::tempdir().unwrap();
     let (straight, path) = (
         folder.path().join("a.vtkhdf"),
@@ -238,7 +238,7 @@ fn a_reopened_file_goes_on_as_if_nothing_had_been() {
 }
 
 #[test]
-fn what_is_no_file_of_this_model_is_not_reopened_and_stays() {
+fn files_of_other_models_are_not_reopened_and_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();
@@ -298,7 +298,7 @@ fn the_sidecar_shows_the_interfaces_and_goes_with_them() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn the_error_of_the_system_comes_through() {
+fn errors_of_the_operating_system_are_returned() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing/results.vtkhdf");
     let error = VtkHdfWriter::create(&path, &fake::model()).unwrap_err();
@@ -346,7 +346,7 @@ fn a_copy_that_cannot_be_written_is_an_error_and_loses_no_frame() {
 
 /// Sizes in a file are not trustworthy.
 #[test]
-fn claims_that_no_file_can_hold_are_refused() {
+fn impossible_dataset_sizes_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();

@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_beyond_the_full_step_leads_back() {
+    fn nan_beyond_the_full_step_leads_back_to_it() {
         let (eta, _) = search(|eta| if eta > 2.5 { f64::NAN } else { 0.5 * eta - 1.2 });
         assert!((1.0..=2.5).contains(&eta), "{eta}");
     }
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_shortens_the_step() {
+    fn nan_shortens_the_step() {
         let (eta, _) = search(|eta| if eta > 0.3 { f64::NAN } else { eta - 0.3 });
         assert!(eta <= 0.3);
     }

@@ -115,7 +115,7 @@ mod tests {
     use crate::results::fake;
 
     #[test]
-    fn the_hash_is_that_of_its_authors() {
+    fn the_hash_matches_its_published_values() {
         // Test vectors of FNV-1a with 64 bits.
         for (text, hash) in [
             ("", 0xCBF2_9CE4_8422_2325_u64),
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_decides_numbers_is_told_apart_and_what_does_not_is_none() {
+    fn only_inputs_that_affect_results_change_the_fingerprint() {
         let model = fake::model();
         let print = Fingerprint::of(&model);
         let mut other = model.clone();

@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_open_is_told_with_its_place() {
+    fn energy_errors_are_reported_with_their_place() {
         let mut watch = EnergyWatch::default();
         watch.add(&row(1, 1.0, 0.999));
         watch.add(&row(2, 4.0, 3.99));

@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arc_ends_on_its_circle_and_goes_on() {
+    fn an_arc_step_ends_on_its_circle_and_continues_forward() {
         let (reached, rate) = ([0.3, -0.2, 0.1], [1.0, 0.5, -2.0]);
         for onwards in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]] {
             let advance = Advance::Arc {
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_that_no_load_leads_to_is_refused() {
+    fn a_step_that_no_load_can_reach_is_rejected() {
         let advance = Advance::Arc {
             length: 1.0,
             onwards: &[1.0, 0.0],

@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_than_the_given_part_is_left_at_the_peak() {
+    fn the_peak_is_found_within_the_given_fraction() {
         for sign in [1.0, -1.0] {
             let watch = watch(&[0.0, 0.8, 1.5], |t| sign * hill(t));
             let size = watch.shortens(1.0, 0.005).unwrap();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_peak_comes_increments_stay() {
+    fn increments_do_not_change_without_a_peak() {
         let stays = |watch: &PeakWatch| watch.shortens(0.75, 0.005).is_none();
         for [a, b, c] in [
             [0.0, 0.3, 0.6], // the peak is beyond the next increment
@@ -291,7 +291,7 @@ mod tests {
 
     /// Repeated increments get shorter until at most the given part is missed between two of them.
     #[test]
-    fn a_peak_that_was_passed_over_is_gone_back_to() {
+    fn an_increment_that_passed_a_peak_is_repeated() {
         for sign in [1.0, -1.0] {
             let mut way = watch(&[0.0], |t| sign * hill(t));
             let (mut at, mut size, mut tries, mut most) = (0.0, 0.7, 0, 0.0_f64);
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rises_on_or_was_seen_is_not_taken_again() {
+    fn increments_with_rising_force_or_a_known_peak_are_not_repeated() {
         let again = |times: &[f64], to: f64, force: fn(f64) -> f64, part: f64| {
             watch(times, force).passed(to, force(to), part).is_some()
         };
@@ -448,7 +448,7 @@ mod tests {
     }
 
     #[test]
-    fn a_longer_step_sees_the_same_peak() {
+    fn a_longer_step_finds_the_same_peak() {
         let mut watch = watch(&[0.0, 0.8, 1.5], hill);
         let size = watch.shortens(1.0, 0.005).unwrap();
         watch.lengthen(0.5);

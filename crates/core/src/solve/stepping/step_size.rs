@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn cutting_below_the_smallest_increment_is_refused() {
+    fn cutting_below_the_smallest_increment_is_rejected() {
         let mut schedule = Schedule::new(
             Increments {
                 initial: 0.1,

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_ends_below_its_peak_whichever_way_it_drives() {
+    fn a_step_stops_below_its_peak_in_either_direction() {
         let stop = Stop {
             below_peak: Some(0.8),
             displacement: None,
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_ends_where_it_has_moved_far_enough() {
+    fn a_step_stops_at_its_displacement() {
         let stop = Stop {
             below_peak: None,
             displacement: Some(0.3),
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_drives_nothing_is_not_watched_and_what_stops_for_nothing_goes_on() {
+    fn steps_without_a_drive_or_a_stop_condition_are_not_stopped() {
         let mut steps = fake::model().steps;
         steps[0].stop = Some(Stop::default());
         assert!(Watch::new(&steps, &steps[0], 0.0, 1.0).is_none());
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_swings_is_neither_the_peak_nor_below_it() {
+    fn an_oscillating_force_is_neither_the_peak_nor_below_it() {
         let stop = Stop {
             below_peak: Some(0.8),
             displacement: Some(5.0),

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_remark_comes_after_the_keyword_that_it_is_about() {
+    fn a_comment_refers_to_the_keyword_before_it() {
         let text = b"*MATERIAL, NAME=A\n** wythe: reference_length = 50.5\n** wythe writes: a = b\n*ELASTIC\n1, 0.2\n";
         let mut heard = Heard::default();
         let mut nothing = |_: &str| Err(std::io::ErrorKind::NotFound.into());
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn keywords_go_on_over_lines_and_files_are_included_where_they_stand() {
+    fn keywords_continue_over_lines_and_files_are_included_in_place() {
         let text = b"** a comment\r\n*Elset,\r\n elset = \"Set, 1\",\r\n  generate\r\n 1, 5, 1\r\n\r\n\
                      *solid   section, Material=Brick\n*include, input=more.inp\n*Node, input=n.txt\n";
         let mut load = |name: &str| match name {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn circles_of_files_end() {
+    fn circular_includes_are_detected() {
         let mut load = |_: &str| Ok(b"*INCLUDE, INPUT=a.inp\n*INCLUDE, INPUT=a.inp".to_vec());
         let mut lines = Lines::new(&mut load);
         let wrong = lines

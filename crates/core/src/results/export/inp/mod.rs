@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_plain_and_each_is_there_once() {
+    fn labels_are_plain_and_unique() {
         let found = labels(["brick (red)", "BRICK_RED_", "a/b"].into_iter());
         assert_eq!(found, ["BRICK__RED_", "BRICK_RED_", "A_B"]);
         assert_eq!(labels(["a b", "a-b"].into_iter()), ["A_B", "A_B_1"]);
