@@ -34,7 +34,7 @@ pub struct Case {
     pub short: Short,
     /// Largest accepted energy imbalance (theory/energies.md, eq. 18) [-].
     pub energy: f64,
-    /// Reason why the accepted energy imbalance differs from [`ENERGY`].
+    /// Reason why the accepted energy imbalance differs from `ENERGY`.
     pub why: String,
     /// Required end of the run.
     pub status: End,

@@ -124,7 +124,7 @@ impl Expectation {
         if short { self.of_short } else { self.of_full }
     }
 
-    /// Measures the quantity in a run and compares it. A curve is compared as in [`curve::difference`]: by the
+    /// Measures the quantity in a run and compares it. A curve is compared as in `curve::difference`: by the
     /// root mean square of the difference over the largest |y| of the reference if the reference advances in x,
     /// and by the largest distance from the reference polyline, both axes over their ranges, if it turns back.
     pub fn measure(&self, history: &History) -> Measured {
