@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
 
 import wythe
-
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="links are a privilege there")
 
 
 def test_links_are_replaced(tmp_path: Path, couplet: wythe.Results) -> None:

@@ -237,9 +237,8 @@ impl System {
     /// # Errors
     /// Number of the element and the reason, if a law found no solution.
     #[expect(
-        clippy::too_many_lines,
         clippy::too_many_arguments,
-        reason = "the assembly of all parts of a scene, in their order"
+        reason = "called once an iterate; each argument belongs to another owner"
     )]
     pub fn evaluate(
         &mut self,
@@ -254,9 +253,8 @@ impl System {
         let n_elements = self.bulk.elements.len();
         let n_contact = n_elements + self.contact.cell_count();
         let n_loaded = n_contact + self.general.cells().len();
-        let n_sprung = n_loaded + self.springs.cells().len();
-        let n_pressed = n_sprung + self.outside.cells().len();
-        let n_cells = n_pressed + self.steered_cells().len();
+        let external = self.springs.cells().len() + self.outside.cells().len();
+        let n_cells = n_loaded + external + self.steered_cells().len();
         self.place(trial, q);
         trial.cells.force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.stiffness.resize(n_cells * CELL, 0.0);
@@ -283,6 +281,24 @@ impl System {
                 }
             }
         }
+        self.evaluate_external(trial, setting, n_loaded);
+        trial.force.resize(self.dofs.slots, 0.0);
+        self.dofs.collect(&trial.node_force, &mut trial.force);
+        let magnitude: f64 = trial.cells.force[..n_elements]
+            .iter()
+            .flatten()
+            .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
+            .sum();
+        trial.mean_nodal_force = magnitude / (8.0 * self.bulk.count.max(f64::MIN_POSITIVE));
+        Ok(())
+    }
+
+    /// Evaluates springs, follower loads and the stiffness along the displacement that steers the load. Their cells
+    /// begin at `n_loaded`.
+    fn evaluate_external(&self, trial: &mut Trial, setting: Evaluation, n_loaded: usize) {
+        let n_sprung = n_loaded + self.springs.cells().len();
+        let n_pressed = n_sprung + self.outside.cells().len();
+        let n_cells = n_pressed + self.steered_cells().len();
         if !trial.spring_ends.is_empty() {
             let (u, ends) = (&trial.displacement, &trial.spring_ends);
             self.springs.add_forces(u, ends, &mut trial.node_force);
@@ -315,15 +331,6 @@ impl System {
             trial.cells.active[n_pressed..n_cells].fill(true);
             trial.cells.changed[n_pressed..n_cells].fill(true);
         }
-        trial.force.resize(self.dofs.slots, 0.0);
-        self.dofs.collect(&trial.node_force, &mut trial.force);
-        let magnitude: f64 = trial.cells.force[..n_elements]
-            .iter()
-            .flatten()
-            .map(|f| (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt())
-            .sum();
-        trial.mean_nodal_force = magnitude / (8.0 * self.bulk.count.max(f64::MIN_POSITIVE));
-        Ok(())
     }
 
     /// Restricts evaluation to the cells at the nodes of these slots until `trial.awake` is removed. Forces and

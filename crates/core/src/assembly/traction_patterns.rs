@@ -219,7 +219,7 @@ impl Web {
 /// δt of each point in its frame [MPa], by conjugate gradients preconditioned with the diagonal.
 #[expect(
     clippy::too_many_lines,
-    reason = "the iteration of one least-squares problem"
+    reason = "one conjugate gradient iteration, whose steps share its vectors"
 )]
 fn settling(points: &[Pressed], dofs: &DofMap) -> Vec<[f64; 3]> {
     let web = Web::new(points, dofs);

@@ -30,13 +30,10 @@ impl PythonRandom {
     }
 
     /// `choice(of)`: takes the highest bits of a word, as many as the length of the list has, and repeats until
-    /// they are less than the length.
-    ///
-    /// # Panics
-    /// The list is empty.
-    pub fn choice<T: Copy>(&mut self, of: &[T]) -> T {
-        let length = of.len() as u32;
-        assert!(length > 0, "a choice of nothing");
+    /// they are less than the length. An empty list does not compile.
+    pub fn choice<T: Copy, const N: usize>(&mut self, of: &[T; N]) -> T {
+        const { assert!(N > 0) };
+        let length = N as u32;
         loop {
             let bits = self.0.next_u32() >> length.leading_zeros();
             if bits < length {
@@ -56,12 +53,13 @@ mod tests {
     fn numbers_are_those_of_python() {
         for (seed, random, uniform, choices, last) in STORED {
             let mut random_numbers = PythonRandom::new(seed);
-            let tens: Vec<u32> = (0..10).collect();
+            let tens: [u32; 10] = std::array::from_fn(|i| i as u32);
+            let eights: [u32; 8] = std::array::from_fn(|i| i as u32);
             // The operations and their order are those of Python, so all bits agree.
             assert_eq!(random_numbers.random(), random, "{seed}");
             assert_eq!(random_numbers.uniform(-2.0, 5.0), uniform, "{seed}");
             assert_eq!(random_numbers.choice(&tens), choices[0], "{seed}");
-            assert_eq!(random_numbers.choice(&tens[..8]), choices[1], "{seed}");
+            assert_eq!(random_numbers.choice(&eights), choices[1], "{seed}");
             assert_eq!(random_numbers.random(), last, "{seed}");
         }
     }

@@ -28,10 +28,6 @@ struct Softness {
 impl General {
     /// Evaluates forces, and stiffness where the setting asks for it, of all touches. Their cells begin at
     /// `first_cell`.
-    #[expect(
-        clippy::too_many_lines,
-        reason = "evaluates the touches, then sums them cell by cell"
-    )]
     pub fn evaluate(&self, trial: &mut Trial, setting: Evaluation, first_cell: usize) {
         if self.cells.is_empty() {
             return;
@@ -66,15 +62,26 @@ impl General {
                 }
             }
         }
-        if !setting.tangent {
-            return;
+        if setting.tangent {
+            self.sum_stiffness(trial, &shares, setting, first_cell);
         }
+    }
+
+    /// Sums the stiffness of all touches into their cells.
+    fn sum_stiffness(
+        &self,
+        trial: &mut Trial,
+        shares: &[Option<Share>],
+        setting: Evaluation,
+        first_cell: usize,
+    ) {
+        let count = self.cells.len();
         let cells = &mut trial.cells.stiffness[first_cell * CELL..(first_cell + count) * CELL];
         let active = &mut trial.cells.active[first_cell..first_cell + count];
         active.fill(false);
         trial.cells.changed[first_cell..first_cell + count].fill(true);
         let mut of_cell: Vec<Vec<usize>> = vec![Vec::new(); count];
-        for (t, (one, share)) in trial.general.touches.iter().zip(&shares).enumerate() {
+        for (t, (one, share)) in trial.general.touches.iter().zip(shares).enumerate() {
             let stiff = share
                 .as_ref()
                 .is_some_and(|s| s.response.tangent != nalgebra::Matrix3::zeros());

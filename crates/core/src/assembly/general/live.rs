@@ -252,72 +252,76 @@ impl Live {
     }
 
     /// Gap and slip at positions `x` [mm] `[node]`.
-    #[expect(
-        clippy::too_many_lines,
-        reason = "the cases of a touch in the order of their precedence"
-    )]
     pub(super) fn see(&self, of: &General, x: &[[f64; 3]]) -> Option<Sight> {
+        match self.touch.kind {
+            Kind::Corner => self.see_corner(of, x),
+            Kind::Edges => self.see_edges(of, x),
+        }
+    }
+
+    fn see_corner(&self, of: &General, x: &[[f64; 3]]) -> Option<Sight> {
         let Touch {
-            kind,
             first,
             second,
             facets,
             at,
             ..
         } = self.touch;
-        match kind {
-            Kind::Corner => {
-                let slave = of.faces.surface.corners(facets[0] as usize, x);
-                let master = of.faces.surface.corners(facets[1] as usize, x);
-                let corner = of.faces.surface.facets[facets[0] as usize]
-                    .iter()
-                    .position(|&n| n == first)?;
-                let (from, xi) = self.anchor;
-                let anchor = if from == second {
-                    Anchor::Same(xi)
-                } else {
-                    let corners = of.faces.surface.corners(from as usize, x);
-                    Anchor::At(surface::point_at(&corners, xi).into())
-                };
-                let kin = Kinematics::new(&slave, &of.weights[corner], &master, at, anchor)?;
-                Some(Sight {
-                    at: kin.xi,
-                    gap: kin.gap,
-                    slip: kin.slip,
-                    frame: kin.frame,
-                    weights: *kin.weights(),
-                    exact: Some(kin),
-                })
-            }
-            Kind::Edges => {
-                let (a, b) = (of.ends(first, x), of.ends(second, x));
-                let pair = EdgePair::new(&a, &b, &of.outwards(second, x), self.anchor.1)?;
-                let mut weights = [0.0; 8];
-                let [s, t] = pair.at;
-                let parts = [
-                    (first, facets[0], 0, s, 1.0),
-                    (second, facets[1], 4, t, -1.0),
-                ];
-                for (edge, facet, from, s, sign) in parts {
-                    let [p, q] = of.sharp(edge).nodes;
-                    for (a, &n) in of.faces.surface.facets[facet as usize].iter().enumerate() {
-                        if n == p {
-                            weights[from + a] = sign * (1.0 - s);
-                        } else if n == q {
-                            weights[from + a] = sign * s;
-                        }
-                    }
+        let surface = &of.faces.surface;
+        let slave = surface.corners(facets[0] as usize, x);
+        let master = surface.corners(facets[1] as usize, x);
+        let corner = (surface.facets[facets[0] as usize].iter()).position(|&n| n == first)?;
+        let (from, xi) = self.anchor;
+        let anchor = if from == second {
+            Anchor::Same(xi)
+        } else {
+            let corners = surface.corners(from as usize, x);
+            Anchor::At(surface::point_at(&corners, xi).into())
+        };
+        let kin = Kinematics::new(&slave, &of.weights[corner], &master, at, anchor)?;
+        Some(Sight {
+            at: kin.xi,
+            gap: kin.gap,
+            slip: kin.slip,
+            frame: kin.frame,
+            weights: *kin.weights(),
+            exact: Some(kin),
+        })
+    }
+
+    fn see_edges(&self, of: &General, x: &[[f64; 3]]) -> Option<Sight> {
+        let Touch {
+            first,
+            second,
+            facets,
+            ..
+        } = self.touch;
+        let (a, b) = (of.ends(first, x), of.ends(second, x));
+        let pair = EdgePair::new(&a, &b, &of.outwards(second, x), self.anchor.1)?;
+        let mut weights = [0.0; 8];
+        let [s, t] = pair.at;
+        let parts = [
+            (first, facets[0], 0, s, 1.0),
+            (second, facets[1], 4, t, -1.0),
+        ];
+        for (edge, facet, from, s, sign) in parts {
+            let [p, q] = of.sharp(edge).nodes;
+            for (a, &n) in of.faces.surface.facets[facet as usize].iter().enumerate() {
+                if n == p {
+                    weights[from + a] = sign * (1.0 - s);
+                } else if n == q {
+                    weights[from + a] = sign * s;
                 }
-                Some(Sight {
-                    at: pair.at,
-                    gap: pair.gap,
-                    slip: pair.slip,
-                    frame: pair.frame,
-                    weights,
-                    exact: None,
-                })
             }
         }
+        Some(Sight {
+            at: pair.at,
+            gap: pair.gap,
+            slip: pair.slip,
+            frame: pair.frame,
+            weights,
+            exact: None,
+        })
     }
 
     /// History at the start, with its tangential components in the frame of the present facet.

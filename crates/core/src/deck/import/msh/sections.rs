@@ -186,17 +186,13 @@ pub(super) fn elements(
             for node in &mut nodes[..corners] {
                 *node = cursor.size()?;
             }
-            let nodes = &nodes[..corners];
-            gathered.element(
-                Element {
-                    kind,
-                    tag,
-                    nodes,
-                    place,
-                },
+            add(
+                cursor,
+                gathered,
+                (kind, tag, place),
+                &nodes[..corners],
                 &groups,
             )?;
-            require_countable(cursor, gathered)?;
         }
     }
     Ok(())
@@ -242,17 +238,13 @@ fn elements_of_2(cursor: &mut Cursor<'_>, gathered: &mut Gathered) -> Result<(),
                 *node = cursor.tag(2)?;
             }
             let groups: &[i64] = if group == 0 { &[] } else { &[group] };
-            let nodes = &nodes[..corners];
-            gathered.element(
-                Element {
-                    kind,
-                    tag,
-                    nodes,
-                    place,
-                },
+            add(
+                cursor,
+                gathered,
+                (kind, tag, place),
+                &nodes[..corners],
                 groups,
             )?;
-            require_countable(cursor, gathered)?;
             place = next_line(cursor);
             read += 1;
         }
@@ -269,7 +261,23 @@ fn next_line(cursor: &mut Cursor<'_>) -> crate::deck::import::Place {
     place
 }
 
-fn require_countable(cursor: &Cursor<'_>, gathered: &Gathered) -> Result<(), Wrong> {
+/// Adds an element of a type, with its tag, line and nodes, to its physical groups.
+fn add(
+    cursor: &Cursor<'_>,
+    gathered: &mut Gathered,
+    (kind, tag, place): (i64, u64, crate::deck::import::Place),
+    nodes: &[u64],
+    groups: &[i64],
+) -> Result<(), Wrong> {
+    gathered.element(
+        Element {
+            kind,
+            tag,
+            nodes,
+            place,
+        },
+        groups,
+    )?;
     if gathered.count() <= MOST_ELEMENTS {
         return Ok(());
     }
