@@ -142,6 +142,20 @@ fn the_cap_law_stays_within_its_cut_off_in_a_long_slip() {
     shifted(&law, &Path::random(21, 30, 0.02, 0.02), 0.05, 1e-10).unwrap();
 }
 
+/// Under pressure alone |σ| = f̄/√C_nn and κ is the plastic closing: the cap softens by f̄'/√C_nn, which the numerical
+/// stiffness must stay above.
+#[test]
+fn iterates_settle_for_any_shape_of_the_cap() {
+    for c_nn in [0.25, 4.0] {
+        let law = Cap { c_nn, ..cap(0.0) };
+        for seed in 0..40 {
+            // Tolerance: five times that at a quarter of the stiffness, because a twentieth is a fifth of it.
+            let path = Path::random(seed, 30, 0.02, 0.3);
+            shifted(&law, &path, 0.05, 5e-10).unwrap_or_else(|e| panic!("{e} {law:?}"));
+        }
+    }
+}
+
 /// The cap law with the defaults of the trait.
 #[derive(Debug)]
 struct Plain(Cap);

@@ -227,9 +227,10 @@ impl JointLaw for Cap {
         }
     }
 
+    // Under pressure alone |σ| = f̄/√C_nn, in shear alone |τ| = f̄/√C_ss, and κ is the plastic displacement.
     fn softening_slopes(&self) -> [f64; 2] {
         [
-            (self.f_t * self.loss_by_opening()).max(self.c_nn.sqrt() * self.curve.steepest()),
+            (self.f_t * self.loss_by_opening()).max(self.curve.steepest() / self.c_nn.sqrt()),
             (self.c * self.loss_by_slip()).max(self.curve.steepest() / self.c_ss.sqrt()),
         ]
     }
