@@ -60,21 +60,24 @@ def test_stored_material_curves_are_reproduced(case: MaterialCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), material_table(case)
     assert list(stored) == list(made)
     # Integration with tolerances ten times smaller moves stresses by 3e-11 MPa at most, damage by 9e-13, strains
-    # and hardening variables by 5e-10 MPa / E. Ten times that for processors that round otherwise.
+    # and hardening variables by 3e-10 MPa / E, those of the cone by 5e-10. Ten times that for processors that round
+    # otherwise.
     assert worst(columns(stored, STRESSES), columns(made, STRESSES)) < 3e-10
     damages = [name for name in ("dt", "dc", "d") if name in stored]
     assert worst(columns(stored, damages), columns(made, damages)) < 9e-12
     strains = [*STRAINS, "kt", "kc"]
-    assert case.material.E * worst(columns(stored, strains), columns(made, strains)) < 5e-9
+    bound = 5e-9 if case in DRUCKER_PRAGER_CASES else 3e-9
+    assert case.material.E * worst(columns(stored, strains), columns(made, strains)) < bound
 
 
 @pytest.mark.parametrize("case", JOINTS, ids=lambda case: case.name)
 def test_stored_joint_curves_are_reproduced(case: JointCase) -> None:
     stored, made = read(FOLDER / f"{case.name}.csv"), joint_table(case)
     assert list(stored) == list(made)
-    # Integration with tolerances ten times smaller moves tractions by 5.9e-12 MPa at most, damage and slips by
-    # 1.5e-12, work by 1.2e-11 N/mm. Ten times that for processors that round otherwise.
-    assert worst(columns(stored, TRACTIONS), columns(made, TRACTIONS)) < 5.9e-11
+    # Integration with tolerances ten times smaller moves tractions by 5.4e-12 MPa at most, those of the cap by 5.9e-12,
+    # damage and slips by 1.5e-12, work by 1.2e-11 N/mm. Ten times that for processors that round otherwise.
+    bound = 5.9e-11 if case in CAP_CASES else 5.4e-11
+    assert worst(columns(stored, TRACTIONS), columns(made, TRACTIONS)) < bound
     state = [name for name in stored if name not in (*TRACTIONS, WORK)]
     assert worst(columns(stored, state), columns(made, state)) < 1.5e-11
     assert worst(stored[WORK], made[WORK]) < 1.2e-10
