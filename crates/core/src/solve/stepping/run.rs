@@ -336,7 +336,7 @@ impl<'m> Run<'m> {
         Ok(keep && keeps_symmetry && !collapsed)
     }
 
-    /// Counts what the row says of the quality of the increment.
+    /// Adds the increment to the counters from which the warnings of the summary follow.
     fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) {
         self.energy_watch.add(row);
         match method {

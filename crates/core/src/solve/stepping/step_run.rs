@@ -59,9 +59,9 @@ pub(in crate::solve) struct BranchRun {
 pub(in crate::solve) struct Attempts {
     /// Linear solves.
     pub(in crate::solve) solves: usize,
-    /// Rejected attempts that the history reports.
+    /// Attempts that were rejected, or repeated with a smaller size.
     pub(in crate::solve) cutbacks: usize,
-    /// Rejections of all kinds.
+    /// Attempts that were rejected.
     pub(in crate::solve) rejections: usize,
     /// Largest rise of the force per part of the step among the attempts at the present increment.
     pub(in crate::solve) tried: Option<f64>,
@@ -244,15 +244,15 @@ impl<'m> StepRun<'m> {
         } else {
             self.schedule.accept(request.increment, growth);
         }
-        self.snap.relaxations = match request.method {
-            Method::Relaxation => self.snap.relaxations + 1,
-            _ => 0,
-        };
     }
 
     /// Begins the attempts at the next increment after one by `method`.
     pub(in crate::solve) fn begin_attempts(&mut self, method: Method) {
         self.attempts = Attempts::default();
+        self.snap.relaxations = match method {
+            Method::Relaxation => self.snap.relaxations + 1,
+            _ => 0,
+        };
         self.snap.relaxes_below = f64::INFINITY;
         (self.repeat, self.path.end_rejected) = (true, false);
         let done = self.schedule.done();
