@@ -17,6 +17,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import wythe
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 RUNS = ROOT / "target" / "blind"
@@ -289,11 +292,205 @@ def run(wall: Wall) -> Path:
     return out
 
 
-if __name__ == "__main__":
+def mode_of(wall: Wall, results: wythe.Results) -> str:
+    """Mode of a run by its last state: S, F, FS or L (sliding); the rule is in rule.md."""
+    frame = results.frame("last")
+    joints = frame.interfaces
+    quads = joints.corners[joints.quads]  # (points, 4, 3)
+    middle = quads.mean(axis=1)
+    normal = np.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1])
+    kind = np.abs(normal).argmax(axis=1)  # 0 head joints, 2 bed joints
+    height, course = wall.height, wall.course
+    top = frame.displacement[results.nodes[:, 2] > height - 1e-3, 0].mean()
+    beds = kind == 2
+    for level in range(int(wall.number("courses")) + 1):
+        near = beds & (np.abs(middle[:, 2] - level * course) < 0.6 * course)
+        here = near & (np.abs(middle[:, 2] - np.median(middle[near, 2])) < 1e-3) if near.any() else near
+        if here.any() and np.abs(joints.slip[here]).max(axis=1).mean() > 0.5 * abs(top):
+            return "L"
+    inner = range(math.ceil(0.25 * height / course), math.floor(0.75 * height / course))
+    unit = np.array([results.materials[m] == "unit" for m in results.material])
+    levels = results.nodes[results.elements].mean(axis=1)[:, 2]
+    cut = 0
+    for k in inner:
+        low, high = k * course, (k + 1) * course
+        gap = (kind == 0) & (middle[:, 2] > low) & (middle[:, 2] < high) & (joints.opening > 0.1)
+        crack = unit & (levels > low) & (levels < high) & (frame.tensile_damage > 0.9)
+        cut += bool(gap.any() or crack.any())
+    if cut < 0.7 * len(inner):
+        return "F"
+    return "FS" if results.peak_force >= 0.95 * wall.rigid_limit else "S"
+
+
+def table() -> list[dict[str, object]]:
+    """A row of results.csv for each wall that has run."""
+    rows = []
+    for wall in walls():
+        out = run(wall)
+        cpu, code = (out / "cpu.txt").read_text().split("\n")[0].split()
+        results = wythe.Results(out)
+        force = results.history.force_kN[results.history.driven]
+        moved = results.history.displacement_mm[results.history.driven]
+        peak = int(force.argmax())
+        rows.append({
+            "source": wall.text("source"), "wall": wall.text("wall"), "laboratory": LABORATORY[wall.text("source")],
+            "status": results.status, "V_kN": round(float(force[peak]), 2), "V_test_kN": round(wall.measured("V"), 2),
+            "ratio": round(float(force[peak]) / wall.measured("V"), 3),
+            "drift_pct": round(100.0 * float(moved[peak]) / wall.height, 3),
+            "drift_test_pct": round(wall.measured("drift"), 3),
+            "rigid_kN": round(wall.rigid_limit, 1), "mode": mode_of(wall, results),
+            "mode_test": wall.text("mode"), "right": int(bool(set(mode_of(wall, results)) & wall.modes)),
+            "verdict": results.verdict_kind, "solves": results.summary.get("iterations", ""),
+            "energy_error": f"{results.energy_balance_error:.1e}", "cpu_s": cpu,
+        })  # fmt: skip
+    return rows
+
+
+Row = dict[str, str]
+
+
+def read(name: str) -> list[Row]:
+    with (HERE / name).open() as file:
+        return list(csv.DictReader(file))
+
+
+def groups(rows: list[Row]) -> list[tuple[str, list[Row]]]:
+    """Rows by what the page compares."""
+    kind = {(w.text("source"), w.text("wall")): w for w in walls()}
+    wall = {id(row): kind[row["source"], row["wall"]] for row in rows}
+    within = [row for row in rows if float(row["V_test_kN"]) <= float(row["rigid_kN"])]
+    out = [
+        ("all walls", rows),
+        ("all within the limit of a rigid block", within),
+        ("bricks", [r for r in rows if wall[id(r)].text("set") == "brick"]),
+        ("bricks, general-purpose mortar", [r for r in rows if wall[id(r)].text("set") == "brick" and wall[id(r)].text("bed") == "GP"]),
+        ("bricks, thin layers", [r for r in rows if wall[id(r)].text("bed") == "TL"]),
+        ("stones, dry", [r for r in rows if wall[id(r)].text("bed") == "dry"]),
+        ("stones, lime mortar", [r for r in rows if wall[id(r)].text("set") == "stone" and wall[id(r)].text("bed") == "GP"]),
+        ("double bending", [r for r in rows if wall[id(r)].number("H0_over_H") < 1.0]),
+        ("cantilevers", [r for r in rows if wall[id(r)].number("H0_over_H") >= 1.0]),
+    ]  # fmt: skip
+    for name in dict.fromkeys(LABORATORY.values()):
+        out.append((name, [r for r in rows if r["laboratory"] == name]))
+    for letter, name in (("S", "tests in shear"), ("F", "tests in flexure"), ("SF", "hybrid tests"), ("L", "sliding")):
+        modes = [r for r in rows if "".join(sorted(wall[id(r)].modes, reverse=True)) == letter]
+        out.append((name, modes))
+    return out
+
+
+def summary_row(name: str, rows: list[Row]) -> str:
+    ratio = np.array([float(r["ratio"]) for r in rows])
+    drift = np.array([float(r["drift_pct"]) / float(r["drift_test_pct"]) for r in rows])
+    close = np.mean((drift >= 0.5) & (drift <= 2.0))
+    right = np.mean([r["right"] == "1" for r in rows])
+    spread = ratio.std(ddof=1) / ratio.mean() if len(ratio) > 1 else math.nan
+    cov = f"{100 * spread:.0f} %" if len(ratio) > 1 else ""
+    return f"| {name} | {len(rows)} | {ratio.mean():.2f} | {cov} | {100 * right:.0f} % | {100 * close:.0f} % |"
+
+
+def matrix(rows: list[Row]) -> list[str]:
+    """Modes of the runs against those of the tests."""
+    kind = {(w.text("source"), w.text("wall")): w for w in walls()}
+    names = {"S": "shear", "F": "flexure", "FS": "both", "L": "sliding"}
+    lines = ["| Test | " + " | ".join(f"run: {names[m]}" for m in ("S", "FS", "F", "L")) + " |", "|---|---|---|---|---|"]
+    labels = {"S": "shear", "F": "flexure", "SF": "shear and flexure", "L": "sliding", "LF": "sliding and flexure"}
+    of = lambda row: "".join(sorted(kind[row["source"], row["wall"]].modes, key="SLF".index))
+    for modes in sorted({of(r) for r in rows}):
+        count = [sum(of(r) == modes and r["mode"] == m for r in rows) for m in ("S", "FS", "F", "L")]
+        label = labels.get(modes, "shear, sliding and flexure")
+        lines.append(f"| {label} | " + " | ".join(map(str, count)) + " |")
+    return lines
+
+
+def pictures(rows: list[Row]) -> None:
+    import matplotlib
+
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update({"svg.hashsalt": "wythe", "font.size": 9, "svg.fonttype": "none"})
+    meta = {"Date": None, "Creator": None}
+    figure, axes = plt.subplots(figsize=(6, 5.4), layout="constrained")
+    ends = np.array([10.0, 1000.0])
+    axes.loglog(ends, ends, color="0.4", lw=1)
+    axes.fill_between(ends, ends / 1.2, ends * 1.2, color="0.9", lw=0)
+    for k, name in enumerate(dict.fromkeys(LABORATORY.values())):
+        these = [r for r in rows if r["laboratory"] == name]
+        test, run_ = ([float(r[c]) for r in these] for c in ("V_test_kN", "V_kN"))
+        axes.plot(test, run_, "os^vDPX*h"[k], ms=6, mfc="none", color=f"C{k}", label=name)
+    axes.set(xlabel="largest force of the test [kN]", ylabel="predicted [kN]", xlim=ends, ylim=ends)
+    axes.legend(fontsize=8)
+    axes.set_title("Predicted and measured; the band is 20 % wide on either side", fontsize=9)
+    figure.savefig(HERE / "predicted.svg", metadata=meta)
+    measured = read("curves.csv")
+    chosen = [w for w in walls() if w.text("set") == "stone"]
+    for part, name in ((lambda w: w.text("bed") == "GP", "mortar"), (lambda w: w.text("bed") == "dry", "dry")):
+        these = [w for w in chosen if part(w)]
+        columns = 4
+        lines = math.ceil(len(these) / columns)
+        figure, grid = plt.subplots(lines, columns, figsize=(9, 1.9 * lines), layout="constrained", squeeze=False)
+        for axes in grid.flat[len(these):]:
+            axes.axis("off")
+        for axes, wall in zip(grid.flat, these, strict=False):
+            points = [r for r in measured if (r["source"], r["wall"]) == (wall.text("source"), wall.text("wall"))]
+            u, f = (np.array([float(r[c]) for r in points]) for c in ("displacement_mm", "force_kN"))
+            for sign in (1, -1):
+                side = sign * u >= 0
+                axes.plot(sign * u[side], sign * f[side], color="0.6", lw=1)
+            history = wythe.Results(run(wall)).history
+            d = history.driven
+            axes.plot(history.displacement_mm[d], history.force_kN[d], color="C3", lw=1.2)
+            axes.set_title(wall.text("wall"), fontsize=8)
+            axes.set_xlim(0, 0.012 * wall.height)
+            axes.set_ylim(0, None)
+            axes.tick_params(labelsize=7)
+        figure.supxlabel("displacement [mm]", fontsize=8)
+        figure.supylabel("force [kN]", fontsize=8)
+        figure.savefig(HERE / f"curves-{name}.svg", metadata=meta)
+        plt.close(figure)
+
+
+def page() -> None:
+    rows = read("results.csv")
+    pictures(rows)
+    text = (HERE / "page.md").read_text()
+    summary = ["| Walls | Number | Mean | CoV | Mode right | Drift within a factor of 2 |", "|---|---|---|---|---|---|"]
+    summary += [summary_row(name, these) for name, these in groups(rows) if these]
+    names = {"S": "shear", "F": "flexure", "FS": "both", "L": "sliding"}
+    long = ["| Wall | V test | V run | Ratio | Drift test | Drift run | Mode test | Mode run | Solves, CPU |", "|---|---|---|---|---|---|---|---|---|"]
+    for r in rows:
+        dagger = " †" if float(r["V_test_kN"]) > float(r["rigid_kN"]) else ""
+        ended = "" if r["status"] in ("completed", "collapsed") else f" ({r['status'].replace('_', ' ')})"
+        long.append(
+            f"| {r['source']} {r['wall']}{dagger} | {r['V_test_kN']} | {r['V_kN']}{ended} | {r['ratio']} | {r['drift_test_pct']} "
+            f"| {r['drift_pct']} | {r['mode_test']} | {names[r['mode']]} | {r['solves']}, {r['cpu_s']} s |"
+        )
+    for mark, lines in (("summary", summary), ("modes", matrix(rows)), ("walls", long)):
+        text = text.replace(f"<!-- {mark} -->", "\n".join(lines))
+    (HERE / "README.md").write_text(text)
+
+
+def main() -> None:
     RUNS.mkdir(parents=True, exist_ok=True)
+    task = sys.argv[1] if len(sys.argv) > 1 else "all"
     chosen = [w for w in walls() if len(sys.argv) < 3 or any(a in w.name for a in sys.argv[2:])]
-    for wall in chosen:
-        (RUNS / f"{stem(wall)}.toml").write_text(deck(wall))
-        if sys.argv[1:2] == ["run"]:
+    if task == "decks":
+        for wall in chosen:
+            (RUNS / f"{stem(wall)}.toml").write_text(deck(wall))
+        return
+    if task in ("run", "all"):
+        for wall in chosen:
             out = run(wall)
             print(wall.name, (out / "cpu.txt").read_text().split("\n")[0], flush=True)
+    if task in ("table", "all"):
+        rows = table()
+        with (HERE / "results.csv").open("w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    if task in ("page", "table", "all"):
+        page()
+
+
+if __name__ == "__main__":
+    main()

@@ -19,12 +19,13 @@ use crate::element::hexahedron::range;
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::scene::Increments;
 use std::borrow::Cow;
+use std::collections::{BTreeSet, HashSet};
 
-/// Young's modulus of a beam over the largest one in the scene.
+/// Young's modulus of a beam over the largest one of the bodies below it.
 const STIFFER: f64 = 100.0;
 
 /// Density of a beam for which the deck gives none [tonne/mm³]: that of air.
-const AIR: f64 = 1.2e-12;
+pub(super) const AIR: f64 = 1.2e-12;
 
 /// A face is level if the heights of its nodes differ by less than this [mm].
 const LEVEL: f64 = 0.01;
@@ -44,11 +45,9 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
         // Bodies are built here to find where the beams lie, and a second time with the beams. Files named by the
         // deck are therefore read twice.
         let bodies = Bodies::new(&plain)?;
-        let modulus = modulus(&bodies);
         let mut blocks = Vec::new();
         for (i, beam) in deck.beams.iter().enumerate() {
-            let on = errors.keep(outline(&bodies, deck, i, beam));
-            blocks.extend(on.map(|(at, size)| Laid { at, size, modulus }));
+            blocks.extend(errors.keep(outline(&bodies, deck, i, beam)));
         }
         blocks
     };
@@ -97,11 +96,15 @@ impl Laid {
     }
 }
 
-/// Young's modulus of the beams of a scene [MPa]: [`STIFFER`] times the largest one. Rigid-like materials are
-/// not multiplied: they are stiff enough.
-fn modulus(bodies: &Bodies<'_>) -> f64 {
-    let materials = bodies.materials.iter();
-    let of = materials.filter_map(|name| {
+/// Young's modulus of a beam on the nodes `below` [MPa]: [`STIFFER`] times the largest one of the elements that have
+/// such a node. Rigid-like materials are not multiplied: they are stiff enough.
+fn modulus(bodies: &Bodies<'_>, below: &[u32]) -> f64 {
+    let below: HashSet<u32> = below.iter().copied().collect();
+    let elements = bodies.mesh.elements.iter().zip(&bodies.mesh.material);
+    let touched = elements.filter(|(nodes, _)| nodes.iter().any(|n| below.contains(n)));
+    let materials: BTreeSet<_> = touched.map(|(_, material)| *material).collect();
+    let of = materials.iter().filter_map(|material| {
+        let name = bodies.materials.get(usize::from(*material))?;
         let own = bodies.parameters(name).ok()?.elastic().E;
         let is_rigid = rigid::base(name) != name;
         Some(if is_rigid { own } else { STIFFER * own })
@@ -109,13 +112,13 @@ fn modulus(bodies: &Bodies<'_>) -> f64 {
     of.fold(0.0, f64::max)
 }
 
-/// Lowest corner and sizes of a beam [mm].
+/// Position and stiffness of a beam.
 fn outline(
     bodies: &Bodies<'_>,
     deck: &Deck,
     i: usize,
     beam: &DeckBeam,
-) -> Result<([f64; 3], [f64; 3]), ModelError> {
+) -> Result<Laid, ModelError> {
     let path = format!("beams.{i}.on");
     let places = bodies.places(&path, &beam.on, true)?;
     let nodes = bodies.nodes(&places);
@@ -137,8 +140,11 @@ fn outline(
             )
             .of_kind(ErrorKind::Geometry));
     }
-    let sizes = [x[1] - x[0], y[1] - y[0], beam.depth.get()];
-    Ok(([x[0], y[0], z[1]], sizes))
+    Ok(Laid {
+        at: [x[0], y[0], z[1]],
+        size: [x[1] - x[0], y[1] - y[0], beam.depth.get()],
+        modulus: modulus(bodies, &nodes),
+    })
 }
 
 /// Adds the material, block, contact and spring of a beam; returns their paths.

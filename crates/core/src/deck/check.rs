@@ -313,7 +313,7 @@ fn beams_notes(deck: &Deck, model: &Model) -> Vec<String> {
             Turning::Level => "its top stays level",
         };
         Some(format!(
-            "beam {}: a block {} mm deep, E = {modulus:.4e} MPa, stiff against all else in the scene; {how}",
+            "beam {}: a block {} mm deep, E = {modulus:.4e} MPa, stiff against all that it lies on; {how}",
             beam.name,
             beam.depth.get(),
         ))

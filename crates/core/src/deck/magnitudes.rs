@@ -1,5 +1,6 @@
 //! Implausible values: a unit that is missing or wrong, sizes in the wrong order.
 
+use super::beams::AIR;
 use super::quantity::Quantity;
 use super::schema::{Deck, Wall};
 use crate::error::Warning;
@@ -21,9 +22,15 @@ pub(super) fn magnitudes(deck: &Deck) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (name, material) in &deck.materials {
         let path = format!("materials.{name}");
-        warnings.extend(stiffness(deck, &format!("{path}.E"), material.E.get()));
+        // The stiffness of a loading beam, and its density unless the deck gives one, are chosen here.
+        let generated = deck.is_generated(&path);
+        if !generated {
+            warnings.extend(stiffness(deck, &format!("{path}.E"), material.E.get()));
+        }
         let density = material.density.get();
-        warnings.extend(self::density(deck, &format!("{path}.density"), density));
+        if !(generated && density == AIR) {
+            warnings.extend(self::density(deck, &format!("{path}.density"), density));
+        }
     }
     for (i, step) in deck.steps.iter().enumerate() {
         let path = format!("steps.{i}");

@@ -77,7 +77,7 @@ impl Source {
     }
 
     /// Path in the file of a path that may have been generated.
-    fn said<'a>(&'a self, path: &'a str) -> &'a str {
+    pub(super) fn said<'a>(&'a self, path: &'a str) -> &'a str {
         let is = |(table, _): &&(String, String)| {
             let below = path.strip_prefix(table.as_str());
             below.is_some_and(|below| below.is_empty() || below.starts_with('.'))

@@ -362,6 +362,11 @@ impl Deck {
         self.source.has(path)
     }
 
+    /// Returns whether the table `path` is not in the file: it stands for another key.
+    pub(super) fn is_generated(&self, path: &str) -> bool {
+        self.source.said(path) != path
+    }
+
     /// Errors and warnings at `path` or below refer to the key `from`: the file has no such table.
     pub(super) fn stands_for(&mut self, path: String, from: String) {
         self.source.stands_for(path, from);
