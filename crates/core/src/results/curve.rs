@@ -1,7 +1,7 @@
 //! The load-displacement curve and the quantities read from it.
 
 use crate::state::Method;
-use crate::state::{HistoryRow, is_moving};
+use crate::state::{HistoryRow, Motion};
 
 /// Displacement and force of the driven steps, in order, from the point where the drive begins.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,8 +12,7 @@ pub struct Curve {
     points: Vec<(f64, f64)>,
     /// Whether the force includes inertia, so that it cannot be a peak. `[increment]`
     moving: Vec<bool>,
-    /// Kinetic energy of the last increment [J].
-    kinetic: f64,
+    motion: Motion,
 }
 
 /// Use of a step in the curve.
@@ -47,12 +46,11 @@ impl Curve {
     /// a step without a drive (a pause) is ignored.
     pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
-        let carried = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
-        let moving = is_moving(row.kinetic_energy_J, self.kinetic, row.taken_J());
-        self.kinetic = row.kinetic_energy_J;
+        let has_inertia = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
+        let moving = self.motion.follow(row, has_inertia);
         if of.driven {
             self.points.push(point);
-            self.moving.push(carried && moving);
+            self.moving.push(moving);
         } else if self.points.is_empty() {
             self.start = point;
         }
@@ -65,7 +63,7 @@ impl Curve {
             start: *start,
             points: points.to_vec(),
             moving: vec![false; points.len()],
-            kinetic: 0.0,
+            motion: Motion::default(),
         }
     }
 

@@ -11,7 +11,7 @@
 //! | residuals and open energies of the last commit | `CarriedOver`, energies of [`State`] |
 //! | equilibrium beyond a snap, early end of the step, peaks | `beyond`, `Watch`, `stopped`, `PeakWatch` |
 //! | last equilibrium, while inertia acts in place of statics | `LastEquilibrium` |
-//! | reports at the end | summary, clock, snaps, swings, energies |
+//! | reports at the end | summary, clock, snaps, swings, carried forces, energies |
 //!
 //! All other data follow from the model or are temporary: trial, factors, iterates. A commit resets the counts of
 //! solves and rejections, and no impact lasts longer than its increment.
@@ -29,12 +29,13 @@ use crate::solve::Recorder;
 use crate::solve::dynamics::collapse::LastEquilibrium;
 use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::stepping::counts::{Snaps, Swings};
+use crate::solve::stepping::counts::{Carried, Snaps, Swings};
 use crate::solve::stepping::energy_watch::EnergyWatch;
 use crate::solve::stepping::fallback::Fallback;
 use crate::solve::stepping::path::PathMeasure;
 use crate::solve::stepping::peak_control::PeakWatch;
 use crate::solve::stepping::run::{Run, RunError, steered};
+use crate::solve::stepping::snap::Relaxations;
 use crate::solve::stepping::step_run::StepRun;
 use crate::solve::stepping::step_size::Schedule;
 use crate::solve::stepping::stop::Watch;
@@ -55,6 +56,7 @@ pub struct Checkpoint {
     output_seconds: f64,
     snaps: Snaps,
     swings: Swings,
+    carried: Carried,
     energy_watch: EnergyWatch,
     last_equilibrium: Option<LastEquilibrium>,
     /// Largest stress of solids that are solved as elastic.
@@ -75,7 +77,7 @@ struct Mark {
     beyond: Option<f64>,
     watch: Option<Watch>,
     peak: PeakWatch,
-    relaxations: usize,
+    relaxations: Relaxations,
     damage_rate: f64,
     stopped: bool,
 }
@@ -241,6 +243,7 @@ impl<'m> Run<'m> {
             output_seconds: self.output_seconds,
             snaps: self.snaps,
             swings: self.swings,
+            carried: self.carried,
             energy_watch: self.energy_watch,
             last_equilibrium: self.last_equilibrium.clone(),
             reached: Reached::default(),
@@ -264,6 +267,7 @@ impl<'m> Run<'m> {
         run.clock = checkpoint.clock;
         run.output_seconds = checkpoint.output_seconds;
         (run.snaps, run.swings) = (checkpoint.snaps, checkpoint.swings);
+        run.carried = checkpoint.carried;
         run.energy_watch = checkpoint.energy_watch;
         run.last_equilibrium = checkpoint.last_equilibrium;
         let equilibrium = run.last_equilibrium.as_ref();

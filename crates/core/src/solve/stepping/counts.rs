@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::state::HistoryRow;
+use crate::state::{HistoryRow, Motion};
 
 /// Counts increments with extrapolated solids, in which a unit snapped.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -71,6 +71,52 @@ impl Swings {
                 100.0 * self.worst,
                 self.step,
                 self.time
+            )
+        })
+    }
+}
+
+/// Part of the peak by which a force that inertia carries may exceed it unreported [-].
+const EXCESS: f64 = 0.02;
+
+/// Largest forces of the drive with and without the increments whose force inertia carries.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Carried {
+    motion: Motion,
+    /// Largest force of increments in equilibrium, in size [kN].
+    peak: f64,
+    /// Largest force that inertia carries, in size [kN]; its displacement [mm] and step.
+    most: f64,
+    displacement: f64,
+    step: usize,
+}
+
+impl Carried {
+    /// Adds a committed increment; `has_inertia` if `auto` solved it with inertia. Returns whether inertia carries its
+    /// force.
+    pub fn add(&mut self, row: &HistoryRow, has_inertia: bool) -> bool {
+        let moving = self.motion.follow(row, has_inertia);
+        let force = row.force_kN.abs();
+        if !moving {
+            self.peak = self.peak.max(force);
+        } else if force > self.most {
+            (self.most, self.displacement, self.step) = (force, row.displacement_mm, row.step);
+        }
+        moving
+    }
+
+    /// Warning, if a force that does not count exceeds the peak. `whole`: force of the scene over that of the part
+    /// solved.
+    pub fn warning(&self, whole: f64) -> Option<String> {
+        (self.most > (1.0 + EXCESS) * self.peak && self.peak > 0.0).then(|| {
+            format!(
+                "inertia carries forces of up to {:.3} kN, in steps.{} at {:.3} mm, above the largest of {:.3} kN in \
+                 equilibrium: they are not counted as a peak. If the wall slides or rocks there for long, smaller \
+                 increments (increments.max) tell which force it keeps",
+                whole * self.most,
+                self.step,
+                self.displacement,
+                whole * self.peak
             )
         })
     }

@@ -112,14 +112,14 @@ const STIFFER: f64 = 5.0;
 /// Most solves for a quick fall of κ, and for a slow one.
 const EASY: usize = 5;
 const FAIR: usize = 9;
-/// Most solves for a fall of κ if the motion does not slow down.
+/// Most solves for a fall of κ if the motion speeds up.
 const AT_ONCE: usize = 2;
 /// Factors of κ in a quick and in a slow fall.
 const QUICKLY: f64 = 0.1;
 const SLOWLY: f64 = 0.3;
 /// Number of sub-increments after a failed one in which κ does not fall quickly.
 const CAUTIOUS: usize = 2;
-/// Ratio of dashpot forces to those of the last sub-increment below which the motion slows down.
+/// Ratio of dashpot forces to those of the last sub-increment below which κ may fall quickly.
 const FALLS: f64 = 0.9;
 
 impl Run<'_> {
@@ -266,10 +266,12 @@ impl Softening {
     fn soften(&mut self, solves: usize, force: f64) {
         self.slowly = self.slowly.saturating_sub(1);
         let falls = force < FALLS * self.last_force;
+        // A steady motion, such as that of a toe that is crushed, takes too many sub-increments at one κ.
+        let is_steady = force < self.last_force;
         self.last_force = force;
         if solves <= EASY && self.slowly == 0 && falls {
             self.factor *= QUICKLY;
-        } else if solves <= FAIR && (falls || solves <= AT_ONCE) {
+        } else if solves <= FAIR && (is_steady || solves <= AT_ONCE) {
             self.factor *= SLOWLY;
         }
     }

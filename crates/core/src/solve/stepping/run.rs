@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::acceptance::growth;
-use super::counts::{Snaps, Swings};
+use super::counts::{Carried, Snaps, Swings};
 use super::energy_watch::EnergyWatch;
 use super::fallback::Fallback;
 use super::step_run::{IncrementRequest, StepRun};
@@ -102,6 +102,7 @@ pub(in crate::solve) struct Run<'m> {
     pub(in crate::solve) output_seconds: f64,
     pub(in crate::solve) snaps: Snaps,
     pub(in crate::solve) swings: Swings,
+    pub(in crate::solve) carried: Carried,
     pub(in crate::solve) energy_watch: EnergyWatch,
     /// The last equilibrium, while inertia acts in place of statics.
     pub(in crate::solve) last_equilibrium: Option<LastEquilibrium>,
@@ -138,6 +139,7 @@ impl<'m> Run<'m> {
             output_seconds: 0.0,
             snaps: Snaps::default(),
             swings: Swings::default(),
+            carried: Carried::default(),
             energy_watch: EnergyWatch::default(),
             last_equilibrium: None,
             fingerprint: OnceCell::new(),
@@ -164,6 +166,8 @@ impl<'m> Run<'m> {
         self.report_moving_bodies();
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
+        let whole = self.part.wholes();
+        self.summary.warnings.extend(self.carried.warning(whole));
         self.summary.warnings.extend(self.energy_watch.warning());
         Ok(self.summary)
     }
@@ -294,7 +298,7 @@ impl<'m> Run<'m> {
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
         let row = self.row(step_run, request, report, solves);
-        self.count(step_run, request.method, &row);
+        let carried = self.count(step_run, request.method, &row);
         let collapsed = self.collapses(step_run, request.method, before.kinetic);
         let growth = growth(request, report, step_run.fallback.floor());
         step_run.choose_size(
@@ -305,7 +309,7 @@ impl<'m> Run<'m> {
         self.free_damage(step_run);
         self.measure_path(step_run, request, (&dq, added), growth, &before);
         let moves = self.state.energies.moves_on(&before);
-        let why = self.watch(step_run, request, moves);
+        let why = self.watch(step_run, carried);
         let whole = step_run.is_whole();
         let end = whole || why.is_some() || collapsed;
         if let (Some(why), false) = (&why, whole) {
@@ -336,9 +340,11 @@ impl<'m> Run<'m> {
         Ok(keep && keeps_symmetry && !collapsed)
     }
 
-    /// Adds the increment to the counters from which the warnings of the summary follow.
-    fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) {
+    /// Adds the increment to the counters from which the warnings of the summary follow. Returns whether inertia
+    /// carries its force.
+    fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) -> bool {
         self.energy_watch.add(row);
+        let seeks = step_run.step.procedure == Procedure::Auto;
         match method {
             // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
             Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {
@@ -348,6 +354,8 @@ impl<'m> Run<'m> {
             Method::QuasiStatic => self.mark_fallen(),
             _ => {}
         }
+        self.carried
+            .add(row, seeks && method == Method::QuasiStatic)
     }
 
     /// Measures the path by the committed increment: its change `dq` of the displacements [mm] `[slot]` and `added`
@@ -377,19 +385,12 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Watches stop conditions and peaks. Returns why the step stops, if it does. `moves`: whether the structure
-    /// still moves.
-    fn watch(
-        &mut self,
-        step_run: &mut StepRun,
-        request: IncrementRequest,
-        moves: bool,
-    ) -> Option<String> {
+    /// Watches stop conditions and peaks. Returns why the step stops, if it does. `carried`: whether inertia carries
+    /// the force of the increment.
+    fn watch(&mut self, step_run: &mut StepRun, carried: bool) -> Option<String> {
         let seen = self.watched(step_run.index);
-        let carried =
-            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
         let watch = step_run.watch.as_mut();
-        let why = watch.and_then(|watch| watch.take(seen, carried && moves));
+        let why = watch.and_then(|watch| watch.take(seen, carried));
         step_run.see(seen[1]);
         step_run.resolve_peak();
         why

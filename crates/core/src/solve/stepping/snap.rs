@@ -1,11 +1,14 @@
 //! Snaps of a step: whether a rejected increment is relaxed, and the bound on the rate of damage after a snap.
 
+use serde::{Deserialize, Serialize};
+
 use super::acceptance::GROW;
 use super::run::{Run, RunError};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::outcome::{Rejection, Report};
+use crate::state::Method;
 
 /// Largest lag of damage behind its law at which a snap is over [-].
 const SETTLED: f64 = 0.02;
@@ -24,20 +27,60 @@ fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejectio
     let size = request.increment.size;
     let stuck = match rejection {
         // The path of a clear snap-back is followed where that is possible.
-        Rejection::Snap => step_run.snap.relaxations == 0 && !step_run.fallback.prefers_paths(),
+        Rejection::Snap => !step_run.fallback.prefers_paths(),
         Rejection::Linear { .. } => false,
-        // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
-        // as many solves.
-        _ => {
-            step_run.snap.relaxations == 0
-                && (step_run.attempts.rejections > 1 || step_run.fallback.is_small(size))
-        }
+        _ => step_run.attempts.rejections > 1 || step_run.fallback.is_small(size),
     };
-    applies && stuck && size < step_run.snap.relaxes_below
+    // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times as
+    // many solves.
+    let first = step_run.snap.relaxations.in_a_row == 0;
+    applies && stuck && first && size < step_run.snap.relaxes_below
 }
 
 /// Size over that of a failed relaxation, below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;
+
+/// Largest n of the 2ⁿ troubles in which no relaxation is tried after n + 1 that failed.
+const MOST_LOST: u32 = 5;
+
+/// Relaxations of a step. One that fails takes some hundred solves, so those that fail in a row are tried ever less
+/// often, as paths are (docs/theory/procedures.md, Algorithm).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(in crate::solve) struct Relaxations {
+    /// Number of increments in a row that were relaxed.
+    in_a_row: usize,
+    /// Number of relaxations that failed since the last one that did not.
+    lost: u32,
+    /// Number of troubles in which no relaxation is tried.
+    passed_over: usize,
+}
+
+impl Relaxations {
+    /// Ends an increment that `method` solved.
+    pub(in crate::solve) fn end_increment(&mut self, method: Method) {
+        self.in_a_row = match method {
+            Method::Relaxation => self.in_a_row + 1,
+            _ => 0,
+        };
+    }
+
+    /// Whether this trouble is passed over.
+    fn passes_over(&mut self) -> bool {
+        let passes = self.passed_over > 0;
+        self.passed_over = self.passed_over.saturating_sub(1);
+        passes
+    }
+
+    /// Counts a relaxation that found an equilibrium, or that failed.
+    fn learn(&mut self, found: bool) {
+        if found {
+            (self.lost, self.passed_over) = (0, 0);
+        } else {
+            self.passed_over = 1 << self.lost;
+            self.lost = (self.lost + 1).min(MOST_LOST);
+        }
+    }
+}
 
 impl<'m> Run<'m> {
     /// Relaxes the structure over a snap, or chooses the next attempt after a rejection; false if the run ends.
@@ -56,9 +99,15 @@ impl<'m> Run<'m> {
             self.bound_damage(step_run);
         }
         if may_relax(step_run, request, rejection) {
-            match self.relax(step_run, request, recorder) {
-                Some(relaxed) => return self.accept_relaxed(step_run, request, relaxed, recorder),
-                None => step_run.snap.relaxes_below = RELAX_AGAIN * size,
+            if step_run.snap.relaxations.passes_over() {
+                step_run.snap.relaxes_below = 0.0;
+            } else {
+                let relaxed = self.relax(step_run, request, recorder);
+                step_run.snap.relaxations.learn(relaxed.is_some());
+                match relaxed {
+                    Some(found) => return self.accept_relaxed(step_run, request, found, recorder),
+                    None => step_run.snap.relaxes_below = RELAX_AGAIN * size,
+                }
             }
         }
         Ok(self.reject(step_run, request, rejection, recorder))

@@ -6,6 +6,7 @@ use super::fallback::Fallback;
 use super::history_row::drives;
 use super::path::{Advance, PathMeasure};
 use super::peak_control::PeakWatch;
+use super::snap::Relaxations;
 use super::step_size::{Increment, Schedule};
 use super::stop::Watch;
 use crate::assembly::System;
@@ -73,8 +74,8 @@ pub(in crate::solve) struct SnapRun {
     pub(in crate::solve) beyond: Option<f64>,
     /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
     pub(in crate::solve) damage_rate: f64,
-    /// Number of relaxations in a row.
-    pub(in crate::solve) relaxations: usize,
+    /// Relaxations in a row, and those that failed.
+    pub(in crate::solve) relaxations: Relaxations,
     /// Size of the increment after a relaxation that is about to be committed.
     pub(in crate::solve) resumes_at: Option<f64>,
     /// Size below which a relaxation is tried again after one that failed.
@@ -158,7 +159,7 @@ impl<'m> StepRun<'m> {
             snap: SnapRun {
                 beyond: None,
                 damage_rate: f64::INFINITY,
-                relaxations: 0,
+                relaxations: Relaxations::default(),
                 resumes_at: None,
                 relaxes_below: f64::INFINITY,
             },
@@ -249,10 +250,7 @@ impl<'m> StepRun<'m> {
     /// Begins the attempts at the next increment after one by `method`.
     pub(in crate::solve) fn begin_attempts(&mut self, method: Method) {
         self.attempts = Attempts::default();
-        self.snap.relaxations = match method {
-            Method::Relaxation => self.snap.relaxations + 1,
-            _ => 0,
-        };
+        self.snap.relaxations.end_increment(method);
         self.snap.relaxes_below = f64::INFINITY;
         (self.repeat, self.path.end_rejected) = (true, false);
         let done = self.schedule.done();

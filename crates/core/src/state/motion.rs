@@ -1,0 +1,76 @@
+//! Whether inertia carries the force of an increment (docs/theory/inertia.md, eqs 10 and 12).
+
+use serde::{Deserialize, Serialize};
+
+use super::HistoryRow;
+use super::energies::is_moving;
+
+/// Part of the work of the drive that goes into motion or comes from it, above which inertia carries the force [-].
+const CARRIED: f64 = 0.01;
+/// Number of increments in a row without motion after which forces count again. A start from rest sends waves through
+/// the structure; they have decayed by then.
+const SETTLES: usize = 5;
+
+/// Follows the increments that `auto` solves with inertia.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Kinetic energy after the last increment [J].
+    kinetic: f64,
+    /// Numerical dissipation after it [J].
+    numerical: f64,
+    /// Displacement of the history after it [mm].
+    displacement: f64,
+    /// Number of increments with inertia, without motion, in a row.
+    quiet: usize,
+}
+
+impl Motion {
+    /// Adds an increment; `has_inertia` if `auto` solved it with inertia. Returns whether inertia carries its force, so
+    /// that it is not the force of an equilibrium.
+    pub fn follow(&mut self, row: &HistoryRow, has_inertia: bool) -> bool {
+        let moves = is_moving(row.kinetic_energy_J, self.kinetic, row.taken_J());
+        let into_motion = (row.kinetic_energy_J - self.kinetic).abs()
+            + (row.numerical_dissipation_J - self.numerical).abs();
+        // kN mm = J.
+        let work = (row.force_kN * (row.displacement_mm - self.displacement)).abs();
+        let is_quiet = !moves && into_motion <= CARRIED * work;
+        self.kinetic = row.kinetic_energy_J;
+        self.numerical = row.numerical_dissipation_J;
+        self.displacement = row.displacement_mm;
+        self.quiet = if has_inertia && is_quiet {
+            self.quiet + 1
+        } else {
+            0
+        };
+        has_inertia && self.quiet < SETTLES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(displacement: f64, force: f64, kinetic: f64) -> HistoryRow {
+        HistoryRow {
+            displacement_mm: displacement,
+            force_kN: force,
+            kinetic_energy_J: kinetic,
+            elastic_energy_J: 100.0,
+            ..HistoryRow::default()
+        }
+    }
+
+    #[test]
+    fn a_start_from_rest_does_not_count_until_its_waves_have_decayed() {
+        let mut motion = Motion::default();
+        assert!(!motion.follow(&row(12.154, 48.3, 0.0), false));
+        // A wall of 1 t is set in motion: 0.03 J are a fifth of the work of the drive, but 3e-4 of the energy taken.
+        assert!(motion.follow(&row(12.157, 71.6, 0.03), true));
+        for k in 1..SETTLES {
+            let x = 12.157 + 0.01 * k as f64;
+            assert!(motion.follow(&row(x, 55.0, 0.03), true));
+        }
+        assert!(!motion.follow(&row(12.30, 48.5, 0.03), true));
+        assert!(!motion.follow(&row(12.31, 48.4, 0.0), false));
+    }
+}
