@@ -37,10 +37,24 @@ LABORATORY = {
 
 
 @dataclass(frozen=True)
+class Rule:
+    """Inputs that the sensitivity varies: factors on what a wall has, or constants of rule.md."""
+
+    modulus: float = 1.0
+    strength: float = 1.0
+    cohesion: float = 1.0
+    friction: float = 1.0
+    tension: float = 0.05
+    opening: float = 0.012
+    slip: float = 0.093
+
+
+@dataclass(frozen=True)
 class Wall:
     """A row of walls.csv, and what the rule makes of it: lengths in mm, stresses in MPa."""
 
     row: dict[str, str]
+    rule: Rule = Rule()
 
     def text(self, column: str) -> str:
         return self.row[column]
@@ -90,7 +104,11 @@ class Wall:
 
     @property
     def modulus(self) -> float:
-        return self.number("E_m_MPa", 700.0 * self.number("f_m_MPa"))
+        return self.rule.modulus * self.number("E_m_MPa", 700.0 * self.number("f_m_MPa"))
+
+    @property
+    def strength(self) -> float:
+        return self.rule.strength * self.number("f_m_MPa")
 
     def moduli(self) -> tuple[float, float]:
         """E of unit and mortar: in series over a course they have the modulus of the masonry."""
@@ -106,11 +124,11 @@ class Wall:
 
     @property
     def cohesion(self) -> float:
-        return self.number("f_v0_MPa", 0.25)
+        return self.rule.cohesion * self.number("f_v0_MPa", 0.25)
 
     @property
     def friction(self) -> float:
-        return self.number("mu", 0.6)
+        return round(self.rule.friction * self.number("mu", 0.6), 6)
 
     @property
     def weight(self) -> float:
@@ -135,6 +153,21 @@ class Wall:
         """Letters of the test's mode: F, S, L (sliding)."""
         text = self.text("mode").replace("SL", "L").replace("TC", "F").replace("R", "F").replace("G", "S")
         return {letter for letter in text if letter in "FSL"}
+
+
+#: Walls of the sensitivity: one of each kind, among those whose runs are short.
+VARIED = ("Magenes2008 CS01", "Anthoine1995 ISP1", "Bosiljkov2003 CLM04", "Godio2019 SC5", "Vasconcelos2009 WI2.250",
+          "Vasconcelos2009 WS1.175")  # fmt: skip
+#: What is varied: name, scatter (coefficient of variation), rule with less, rule with more.
+VARIATIONS = (
+    ("E of masonry", 0.30, Rule(modulus=0.7), Rule(modulus=1.3)),
+    ("f_m", 0.20, Rule(strength=0.8), Rule(strength=1.2)),
+    ("c (and f_t) of joints", 0.30, Rule(cohesion=0.7), Rule(cohesion=1.3)),
+    ("friction", 0.15, Rule(friction=0.85), Rule(friction=1.15)),
+    ("f_t of units, 0.03 and 0.08 f_b", 0.50, Rule(tension=0.03), Rule(tension=0.08)),
+    ("G_I", 0.40, Rule(opening=0.0072), Rule(opening=0.0168)),
+    ("G_II", 0.50, Rule(slip=0.0465), Rule(slip=0.14)),
+)
 
 
 def walls() -> list[Wall]:
@@ -178,8 +211,8 @@ tan_phi = {mu}
 mu = {mu}
 zeta = 4.38
 xi = 1.1
-G_I = "0.012 N/mm"
-G_II = "{0.093 * c:.5g} N/mm"
+G_I = "{wall.rule.opening} N/mm"
+G_II = "{wall.rule.slip * c:.5g} N/mm"
 """
     if wall.text("head") == "U":
         bonded += f"\n[interfaces.dry]\nf_t = 0\nc = 0\ntan_phi = {mu}\nmu = {mu}\n"
@@ -193,9 +226,9 @@ def dry_stiffness(wall: Wall) -> str:
 
 def deck(wall: Wall) -> str:
     e_b, e_j = wall.moduli()
-    f_m, density = wall.number("f_m_MPa"), DENSITY[wall.text("unit_kind")]
+    f_m, density = wall.strength, DENSITY[wall.text("unit_kind")]
     parts = [f'format = 1\ntitle = "{wall.name}"\n']
-    parts.append(material("unit", e_b, 0.05 * wall.number("f_b_MPa"), f_m, density))
+    parts.append(material("unit", e_b, wall.rule.tension * wall.number("f_b_MPa"), f_m, density))
     mortar = ""
     if wall.bed_joint > 0.0:
         f_t = max(0.1 * wall.number("f_mo_MPa"), wall.cohesion / 1.4)
@@ -269,10 +302,10 @@ def stem(wall: Wall) -> str:
     return wall.name.replace(" ", "-").replace(".", "_")
 
 
-def run(wall: Wall) -> Path:
+def run(wall: Wall, name: str = "") -> Path:
     """Runs the deck unless it has run, or the same deck has under another name (tests that were repeated)."""
     text = deck(wall)
-    path = RUNS / f"{stem(wall)}.toml"
+    path = RUNS / f"{name or stem(wall)}.toml"
     out = path.with_suffix(".out")
     done = out / "cpu.txt"
     if path.is_file() and path.read_text() == text and done.is_file():
@@ -347,6 +380,42 @@ def table() -> list[dict[str, object]]:
 
 
 Row = dict[str, str]
+
+
+def vary() -> None:
+    """Runs the variations and writes sensitivity.csv."""
+    chosen = {w.name: w for w in walls()}
+    rows = []
+    for name in VARIED:
+        base = wythe.Results(run(chosen[name])).peak_force
+        for what, scatter, less, more in VARIATIONS:
+            values = []
+            for k, rule in enumerate((less, more)):
+                wall = Wall(chosen[name].row, rule)
+                out = run(wall, f"{stem(wall)}-{what.split()[0]}-{k}")
+                values.append(wythe.Results(out).peak_force / base - 1.0)
+                print(name, what, f"{values[-1]:+.3f}", flush=True)
+            rows.append({"wall": name, "input": what, "scatter": scatter, "less": round(values[0], 4), "more": round(values[1], 4)})
+    with (HERE / "sensitivity.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def sensitivity() -> list[str]:
+    """Table of the changes of the largest force, and the band that the scatter of all inputs makes."""
+    rows = read("sensitivity.csv")
+    lines = ["| Input (scatter) | " + " | ".join(VARIED) + " |", "|---|" + "---|" * len(VARIED)]
+    for what, scatter, _, _ in VARIATIONS:
+        these = {r["wall"]: r for r in rows if r["input"] == what}
+        cells = [f"{100 * float(these[w]['less']):+.0f}, {100 * float(these[w]['more']):+.0f} %" for w in VARIED]
+        lines.append(f"| {what} ({100 * scatter:.0f} %) | " + " | ".join(cells) + " |")
+    bands = []
+    for name in VARIED:
+        spread = [0.5 * (float(r["more"]) - float(r["less"])) for r in rows if r["wall"] == name]
+        bands.append(f"± {100 * math.sqrt(sum(x * x for x in spread)):.0f} %")
+    lines.append("| all, as independent | " + " | ".join(bands) + " |")
+    return lines
 
 
 def read(name: str) -> list[Row]:
@@ -453,7 +522,7 @@ def pictures(rows: list[Row]) -> None:
 def page() -> None:
     rows = read("results.csv")
     pictures(rows)
-    text = (HERE / "page.md").read_text()
+    text = (HERE / "page.txt").read_text()
     summary = ["| Walls | Number | Mean | CoV | Mode right | Drift within a factor of 2 |", "|---|---|---|---|---|---|"]
     summary += [summary_row(name, these) for name, these in groups(rows) if these]
     names = {"S": "shear", "F": "flexure", "FS": "both", "L": "sliding"}
@@ -465,7 +534,7 @@ def page() -> None:
             f"| {r['source']} {r['wall']}{dagger} | {r['V_test_kN']} | {r['V_kN']}{ended} | {r['ratio']} | {r['drift_test_pct']} "
             f"| {r['drift_pct']} | {r['mode_test']} | {names[r['mode']]} | {r['solves']}, {r['cpu_s']} s |"
         )
-    for mark, lines in (("summary", summary), ("modes", matrix(rows)), ("walls", long)):
+    for mark, lines in (("summary", summary), ("modes", matrix(rows)), ("walls", long), ("sensitivity", sensitivity())):
         text = text.replace(f"<!-- {mark} -->", "\n".join(lines))
     (HERE / "README.md").write_text(text)
 
@@ -482,6 +551,8 @@ def main() -> None:
         for wall in chosen:
             out = run(wall)
             print(wall.name, (out / "cpu.txt").read_text().split("\n")[0], flush=True)
+    if task in ("vary", "all"):
+        vary()
     if task in ("table", "all"):
         rows = table()
         with (HERE / "results.csv").open("w", newline="") as file:
