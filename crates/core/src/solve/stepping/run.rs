@@ -165,6 +165,7 @@ impl<'m> Run<'m> {
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
         self.summary.warnings.extend(self.energy_watch.warning());
+        self.summary.warnings.extend(self.narrowed_bands());
         Ok(self.summary)
     }
 
