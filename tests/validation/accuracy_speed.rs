@@ -48,11 +48,11 @@ fn the_default_has_peak_and_energy_of_the_reference_and_a_coarse_step_is_not_bet
             .errors
             .clone()
             .unwrap_or_else(|why| panic!("{name}: {why}"));
-        // The documented accuracy of the default settings: −0.2 % of the couplet's peak, +1.1 % of the small wall's, whose
-        // coarse elements are too stiff. Its energy is −1.8 %. With the cube root of the volume as crack band the peak
-        // was +0.5 %, because brittle joints offset that excess, and the energy −10 %.
-        assert!(errors.peak.abs() < 0.015, "{name}: {errors:?}");
-        assert!(errors.energy.abs() < 0.03, "{name}: {errors:?}");
+        // The documented accuracy of the default settings: −0.2 % of the couplet's peak, +0.96 % of the small wall's, and
+        // +0.07 and +1.2 % of their energies. With the cube root of the volume as crack band the small wall lost 8 % of
+        // the energy.
+        assert!(errors.peak.abs() < 0.01, "{name}: {errors:?}");
+        assert!(errors.energy.abs() < 0.02, "{name}: {errors:?}");
         let lost: Vec<_> = studied
             .outcomes
             .iter()
