@@ -37,7 +37,7 @@ fn run(scenes: &[Scene], options: &Options) -> Vec<Studied> {
 }
 
 #[test]
-fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better() {
+fn the_default_has_peak_and_energy_of_the_reference_and_a_coarse_step_is_not_better() {
     let scenes = scenes(&folder()).unwrap();
     let all = run(&scenes, &options(true, 1));
     assert_eq!(all.len(), 2, "couplet and small wall have short forms");
@@ -48,8 +48,11 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
             .errors
             .clone()
             .unwrap_or_else(|why| panic!("{name}: {why}"));
-        // The documented accuracy of the default settings.
+        // The documented accuracy of the default settings: −0.2 % of the couplet's peak, +0.96 % of the small wall's, and
+        // +0.07 and +1.2 % of their energies. With the cube root of the volume as crack band the small wall lost 8 % of
+        // the energy.
         assert!(errors.peak.abs() < 0.01, "{name}: {errors:?}");
+        assert!(errors.energy.abs() < 0.02, "{name}: {errors:?}");
         let lost: Vec<_> = studied
             .outcomes
             .iter()
@@ -77,8 +80,8 @@ fn the_default_is_within_a_hundredth_of_the_peak_and_a_coarse_step_is_not_better
         let mut of = all[1].outcomes.iter();
         of.find(|o| o.choice.name == name).unwrap().cracks.unwrap()
     };
-    // Other increments give the same cracks except for single cells (0.95 and 0.99). Solids that cannot crack lack
-    // their part (0.86), and the joints of a unit with four by two elements fail elsewhere (0.68).
+    // Other increments give the same cracks except for single cells (0.99 and 0.99). Solids that cannot crack lack
+    // their part (0.87), and the joints of a unit with four by two elements fail elsewhere (0.81).
     assert!((cracks("steps x 2") - cracks("default")).abs() < 0.1);
     assert!(cracks("default") > 0.9 && cracks("default") <= 1.0);
     for name in ["elastic", "mesh 4x2x2"] {

@@ -15,8 +15,12 @@ const WRONG: [&str; 6] = [
     "materials.brick.poison=1",
 ];
 
-/// Both materials snap back, and the joint has a warning.
-const SNAPS: [&str; 6] = [
+/// Both materials snap back with the cube root of the volume, and the joint has a warning.
+const SNAPS: [&str; 10] = [
+    "--set",
+    "materials.brick.crack_band=volume",
+    "--set",
+    "materials.mortar.crack_band=volume",
     "--set",
     "materials.brick.reference_length=1 mm",
     "--set",

@@ -212,8 +212,8 @@ fn the_checker_reports_the_solved_part_and_rounds_large_numbers() {
 }
 
 /// The in-plane mortar table is inadmissible as printed: damage 0.93865 at most (theory/damage-plasticity.md,
-/// Decisions, "Inadmissible damage"). In an element of another size the strains beyond the peak differ, and so does
-/// the cap.
+/// Decisions, "Inadmissible damage"). In a band of another width the strains beyond the peak differ, and so does the
+/// cap.
 #[test]
 fn capped_damage_names_its_row() {
     let deck = load("03_shear_wall_j7d", &[]);
@@ -223,7 +223,7 @@ fn capped_damage_names_its_row() {
     let message = &warnings[0].message;
     for part in [
         "row 2: the damage 0.95 is inadmissible",
-        "in elements of 33.6 mm",
+        "in bands of 37.8 mm",
     ] {
         assert!(message.contains(part), "{part} is not in {message}");
     }

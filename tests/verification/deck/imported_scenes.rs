@@ -316,7 +316,7 @@ fn wall() -> (Deck, Model) {
 fn a_wall_comes_back_from_abaqus_as_it_went() {
     let set = [
         ("wall.courses", "4"),
-        ("materials.brick.crack_band", "projected"),
+        ("materials.brick.crack_band", "volume"),
     ];
     let deck = examples::load("03_shear_wall_j7d", &set);
     let (model, _) = Model::from_deck(&deck).unwrap();

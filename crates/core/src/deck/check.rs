@@ -4,7 +4,7 @@ use super::findings;
 use super::masonry::{self, Masonry};
 use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::symmetry::{self, Plane};
-use super::{rigid, scatter, wall_defaults};
+use super::{rigid, scatter, tables, wall_defaults};
 use crate::error::Warning;
 use crate::material::uniaxial::snap_back;
 use crate::material::{MaterialHistory, MaterialParameters};
@@ -175,6 +175,12 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     }
     for (material, elements) in model.materials.iter().zip(&elements) {
         notes.extend(material_note(model, material, elements));
+        if let MaterialParameters::DamagePlasticity(p) = &material.parameters
+            && p.has_bands()
+        {
+            let widths = findings::band_widths(model, elements);
+            notes.extend(tables::band_notes(deck, &material.name, p, widths));
+        }
     }
     for (name, f) in findings::interfaces(deck, model) {
         notes.extend(interface_notes(name, f, model));

@@ -95,12 +95,13 @@ pub(super) fn judge(
         }
         let parameters = MaterialParameters::DamagePlasticity(p.clone());
         errors.extend(refused.map(|error| refusal(deck, name, &parameters, &error)));
-        warnings.extend(caps(deck, name, &capped));
+        warnings.extend(caps(deck, name, "elements", &capped));
     }
     ModelError::gather(errors).map_or(Ok(warnings), Err)
 }
 
-/// Builds the curves of crack bands from the least to the largest of `widths` [mm], as a run does.
+/// Builds the curves of crack bands from the least to the largest of `widths` [mm], as a run does. Warns of damage that
+/// is inadmissible in the table as given, that is in bands of the reference length.
 ///
 /// # Errors
 /// Those of the curves.
@@ -113,38 +114,61 @@ pub(super) fn judge_bands(
     let parameters = MaterialParameters::DamagePlasticity(p.clone());
     let (_, said) =
         Curves::of_bands(p, widths).map_err(|error| refusal(deck, name, &parameters, &error))?;
-    let mut warnings = Vec::new();
-    for branch in [Branch::Tension, Branch::Compression] {
-        warnings.extend(narrowed(deck, name, branch, &said));
-    }
-    warnings.extend(caps(deck, name, &said));
-    Ok(warnings)
+    let (of_the_table, _) = parted(p, said);
+    Ok(caps(deck, name, "bands", &of_the_table))
 }
 
-/// Warning: crack bands are taken narrower than they are.
-fn narrowed(deck: &Deck, name: &str, of: Branch, said: &[TableWarning]) -> Option<Warning> {
-    said.iter().find_map(|warning| match *warning {
+/// Notes on crack bands: those that count as narrower than they are (theory/crack-band.md, eq. 7), and damage that is
+/// inadmissible only in bands wider than the reference length.
+pub(super) fn band_notes(
+    deck: &Deck,
+    name: &str,
+    p: &DamagePlasticityParameters,
+    widths: [f64; 2],
+) -> Vec<String> {
+    let said = Curves::of_bands(p, widths).map_or_else(|_| Vec::new(), |(_, said)| said);
+    let narrowed = said.iter().filter_map(|warning| match *warning {
         TableWarning::BandNarrowed {
             branch,
             row,
             width,
             limit,
-        } if branch == of => Some(deck.warning(
-            &cell(name, branch, row, None),
-            format!(
-                "elements are up to {width:.1} mm wide across a crack; beyond {limit:.1} mm the softening to row \
-                 {row} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} times its \
-                 energy: finer elements, or a larger inelastic strain, would mend it",
-                width / limit
-            ),
+        } => Some(format!(
+            "material {name}: elements are up to {width:.1} mm wide across a crack in {branch}; beyond {limit:.1} mm the \
+             softening to row {row} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} \
+             times its energy: a run warns if that counted",
+            width / limit
         )),
-        _ => None,
-    })
+        TableWarning::DamageCapped { .. } => None,
+    });
+    let mut notes: Vec<String> = narrowed.collect();
+    let (_, of_wide_bands) = parted(p, said);
+    let caps = caps(deck, name, "bands", &of_wide_bands);
+    notes.extend(caps.iter().map(ToString::to_string));
+    notes
+}
+
+/// Capped damage of rows that are inadmissible in bands of the reference length, too, and of other rows.
+fn parted(
+    p: &DamagePlasticityParameters,
+    said: Vec<TableWarning>,
+) -> (Vec<TableWarning>, Vec<TableWarning>) {
+    let given = p
+        .reference_length
+        .map(|l_ref| Curves::of_bands(p, [l_ref; 2]));
+    let given = given.and_then(Result::ok);
+    let given = given.map_or_else(Vec::new, |(_, said)| said);
+    let row = |warning: &TableWarning| match warning {
+        TableWarning::DamageCapped { branch, row, .. } => Some((*branch, *row)),
+        TableWarning::BandNarrowed { .. } => None,
+    };
+    let capped = said.into_iter().filter(|warning| row(warning).is_some());
+    capped.partition(|warning| given.iter().any(|own| row(own) == row(warning)))
 }
 
 /// One warning for each row whose damage had to be capped (theory/damage-plasticity.md, eq. 11), for all lengths
-/// together.
-fn caps(deck: &Deck, name: &str, warnings: &[TableWarning]) -> Vec<Warning> {
+/// together. `sized`: the things that have these lengths.
+fn caps(deck: &Deck, name: &str, sized: &str, warnings: &[TableWarning]) -> Vec<Warning> {
     let mut rows: Vec<(Branch, usize)> = Vec::new();
     for warning in warnings {
         if let TableWarning::DamageCapped { branch, row, .. } = warning
@@ -166,7 +190,7 @@ fn caps(deck: &Deck, name: &str, warnings: &[TableWarning]) -> Vec<Warning> {
                 TableWarning::BandNarrowed { .. } => None,
             });
             let place = |(_, to, l_eq): (f64, f64, Option<f64>)| match l_eq {
-                Some(l_eq) => format!("{to:.4} in elements of {l_eq:.1} mm"),
+                Some(l_eq) => format!("{to:.4} in {sized} of {l_eq:.1} mm"),
                 None => format!("{to:.4}"),
             };
             let least = of_row.clone().reduce(|a, b| if b.1 < a.1 { b } else { a });

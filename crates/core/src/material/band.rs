@@ -62,6 +62,8 @@ pub(super) struct BandWidths {
     rungs: f64,
     /// κ at the peak stress. Up to this value all curves coincide.
     pub onset: f64,
+    /// Largest width that has a curve [mm]; wider bands count as so wide.
+    widest: f64,
 }
 
 /// Ratio of successive widths; the energies are exact within 1/400.
@@ -76,7 +78,19 @@ impl BandWidths {
             curves: vec![curve],
             lowest: 0.0,
             rungs: 0.0,
+            widest: f64::INFINITY,
         }
+    }
+
+    /// Energy per volume that a band of `width` [mm] with hardening `kappa` has dissipated beyond its table's, because
+    /// it counts as narrower than it is [N/mm²] (theory/crack-band.md, eq. 9). `e`: Young's modulus [MPa].
+    pub fn excess(&self, width: f64, kappa: f64, e: f64) -> f64 {
+        // Widths along an edge of the widest elements are this one up to rounding.
+        if width <= self.widest * (1.0 + 1e-9) {
+            return 0.0;
+        }
+        let curve = self.curve(self.rung(width));
+        (1.0 - self.widest / width) * curve.softening_energy(kappa, e)
     }
 
     /// Index of the curve for a band of `width` [mm].
@@ -178,6 +192,7 @@ impl Curves {
                 lowest: low.ln(),
                 rungs,
                 onset,
+                widest: high,
             })
         };
         let tension = ladder(Branch::Tension, &p.tension)?;

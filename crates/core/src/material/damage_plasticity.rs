@@ -120,6 +120,20 @@ impl DamagePlasticity {
         self.curves.compression.curve(0)
     }
 
+    /// Energy per volume that softening has dissipated beyond the tables' in bands that count as narrower than they are
+    /// [N/mm²], in tension and in compression (theory/crack-band.md, eq. 9).
+    pub fn narrowing_excess(&self, history: &MaterialHistory) -> [f64; 2] {
+        let (h, e) = (history, self.elastic.E);
+        let Curves {
+            tension,
+            compression,
+        } = &*self.curves;
+        [
+            tension.excess(h.crack_band, h.kappa_t, e),
+            compression.excess(h.crush_band, h.kappa_c, e),
+        ]
+    }
+
     /// (1−α) F at effective stress σ̄ and hardening κ_t, κ_c (theory/damage-plasticity.md, eq. 2) [MPa].
     pub fn yield_function(&self, effective: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> f64 {
         self.point(&invariants(effective, kappa_t, kappa_c), 0.0).f

@@ -58,11 +58,11 @@ pub enum Interpolation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CrackBand {
-    /// V^(1/3), independent of the crack direction.
-    #[default]
+    /// V^(1/3), independent of the crack direction: the printed formula of D'Altri et al. (2018).
     Volume,
     /// Length of the element across the crack: along the first principal direction in tension, along the last
     /// in compression, as they are when softening begins.
+    #[default]
     Projected,
 }
 

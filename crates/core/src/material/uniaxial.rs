@@ -305,6 +305,27 @@ impl Curve {
             .kappa
     }
 
+    /// Energy per volume dissipated in the uniaxial test from the peak to `kappa` [N/mm²]: ∫ σ dκ + ∫ σ̄²/2E dd, for
+    /// Young's modulus `e` [MPa] (theory/crack-band.md, eq. 9). 0 before the peak.
+    pub fn softening_energy(&self, kappa: f64, e: f64) -> f64 {
+        let peak = self.peak();
+        let mut energy = 0.0;
+        for (i, segment) in self.segments.iter().enumerate() {
+            let end = self.nodes.get(i + 1).map_or(f64::INFINITY, |n| n.kappa);
+            let from = segment.from;
+            if from.kappa < peak || kappa <= from.kappa {
+                continue;
+            }
+            let grown = kappa.min(end) - from.kappa;
+            let mean = from.stress + 0.5 * segment.stress_slope * grown;
+            // σ̄² dd/dκ is constant on a segment, where σ and σ̄ are linear.
+            let release =
+                from.stress * segment.effective_slope - segment.stress_slope * from.effective;
+            energy += (mean + 0.5 * release / e) * grown;
+        }
+        energy
+    }
+
     /// σ̄ at first yield [MPa].
     pub fn first_yield(&self) -> f64 {
         self.nodes[0].effective

@@ -84,8 +84,8 @@ def damage_plasticity(
     reference_length
         Size of the elements for which the tables hold [mm].
     crack_band
-        Element length compared with it: "volume", the cube root of the volume of the element, or "projected", its
-        length across the crack.
+        Element length compared with it: "projected" (the default), the length of the element across the crack, or
+        "volume", the cube root of its volume.
     """
     return _part(
         E=E,

@@ -3,6 +3,7 @@
 use super::scene::{Choice, Group};
 use wythe_core::deck::Deck;
 use wythe_core::deck::schema::{DeckProcedure, Interface, Wall};
+use wythe_core::material::CrackBand;
 
 /// Keys of the deck and their values.
 type Set = Vec<(String, String)>;
@@ -153,10 +154,17 @@ fn solids(deck: &Deck) -> Vec<Choice> {
     ] {
         all.push(Choice::new(name, Group::Mesh, set));
     }
-    let cracks = deck.materials.iter().filter(|(_, m)| !m.tension.is_empty());
-    let band =
-        cracks.flat_map(|(name, _)| one(&format!("materials.{name}.crack_band"), "projected"));
-    all.push(Choice::new("projected", Group::CrackBand, band.collect()));
+    for (name, of) in [
+        ("volume", CrackBand::Volume),
+        ("projected", CrackBand::Projected),
+    ] {
+        let others = deck.materials.iter().filter(|(_, m)| {
+            let scaled = !m.tension.is_empty() && m.reference_length.is_some();
+            scaled && m.crack_band.unwrap_or_default() != of
+        });
+        let band = others.flat_map(|(key, _)| one(&format!("materials.{key}.crack_band"), name));
+        all.push(Choice::new(name, Group::CrackBand, band.collect()));
+    }
     all
 }
 

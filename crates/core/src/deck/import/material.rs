@@ -60,8 +60,8 @@ pub struct ImportedMaterial {
     pub unusable: Option<String>,
     /// Length for which the tables hold [mm], if wythe wrote it beside them.
     pub reference_length: Option<f64>,
-    /// Whether this length is compared with the length of an element across a crack, if wythe wrote that.
-    pub projected: bool,
+    /// Length of an element that is compared with it, if wythe wrote that.
+    pub crack_band: Option<CrackBand>,
 }
 
 /// Equivalent lengths V^(1/3) of the elements of a material [mm].
@@ -168,9 +168,7 @@ impl ImportedMaterial {
             .map_err(|why| format!("tension: {why}"))?;
         material.tension = tension;
         material.reference_length = length.or(self.reference_length).map(Length::new);
-        if self.projected {
-            material.crack_band = CrackBand::Projected;
-        }
+        material.crack_band = self.crack_band;
         Ok((material, notes))
     }
 

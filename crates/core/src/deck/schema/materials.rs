@@ -72,10 +72,9 @@ pub struct Material {
     pub viscosity: Time,
     /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled.
     pub reference_length: Option<Length>,
-    /// Length of an element that is compared with `reference_length`: the cube root of its volume, or its length
-    /// across the crack.
-    #[serde(default)]
-    pub crack_band: CrackBand,
+    /// Length of an element that is compared with `reference_length`: its length across the crack, or the cube root
+    /// of its volume; the former if absent.
+    pub crack_band: Option<CrackBand>,
     /// Interpolation between rows of the tables.
     #[serde(default)]
     pub interpolation: Interpolation,
@@ -127,7 +126,7 @@ impl Material {
             compression_recovery: one(),
             viscosity: Time::default(),
             reference_length: None,
-            crack_band: CrackBand::default(),
+            crack_band: None,
             interpolation: Interpolation::default(),
         }
     }
@@ -186,7 +185,7 @@ impl Material {
             compression_recovery: self.compression_recovery.get(),
             viscosity: self.viscosity.get(),
             reference_length: self.reference_length.map(Length::get),
-            crack_band: self.crack_band,
+            crack_band: self.crack_band.unwrap_or_default(),
             interpolation: self.interpolation,
         })
     }

@@ -169,6 +169,7 @@ impl<'m> Run<'m> {
         let whole = self.part.wholes();
         self.summary.warnings.extend(self.carried.warning(whole));
         self.summary.warnings.extend(self.energy_watch.warning());
+        self.summary.warnings.extend(self.narrowed_bands());
         Ok(self.summary)
     }
 

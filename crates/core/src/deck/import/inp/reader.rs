@@ -8,6 +8,7 @@ use super::raw::{Element, Instance, Member, Node, Other, Raw, Scope, SolidSectio
 use super::sets;
 use crate::deck::import::numbers::{label, numbers, real};
 use crate::deck::import::{MOST_ELEMENTS, MOST_NODES, Place, Wrong};
+use crate::material::CrackBand;
 
 /// Meaning of the data lines that follow.
 #[derive(Debug, Default)]
@@ -448,7 +449,13 @@ impl Reader {
             ("reference_length", Some(length)) if length > 0.0 => {
                 material.reference_length = Some(length);
             }
-            ("crack_band", None) => material.projected = unquoted(value) == "projected",
+            ("crack_band", None) => {
+                material.crack_band = match unquoted(value) {
+                    "projected" => Some(CrackBand::Projected),
+                    "volume" => Some(CrackBand::Volume),
+                    _ => None,
+                };
+            }
             _ => {}
         }
     }

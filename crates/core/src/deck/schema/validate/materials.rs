@@ -36,7 +36,7 @@ impl Checks<'_> {
         self.not_negative(&key("viscosity"), m.viscosity);
         self.positive(&key("reference_length"), m.reference_length);
         self.demand(
-            m.crack_band == CrackBand::Volume || m.reference_length.is_some(),
+            m.crack_band != Some(CrackBand::Projected) || m.reference_length.is_some(),
             &key("crack_band"),
             || "a band has nothing to be set against: reference_length is missing".to_owned(),
             "give reference_length, the width of the band for which the tables hold",

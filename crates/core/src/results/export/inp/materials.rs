@@ -32,9 +32,8 @@ fn damage_plasticity(text: &mut String, p: &DamagePlasticityParameters) -> std::
             "** Tables for elements {length:?} mm long{across}; wythe scales the strains beyond the peak to each \
              element, Abaqus does not.\n** wythe: reference_length = {length:?}"
         )?;
-        if p.has_bands() {
-            writeln!(text, "** wythe: crack_band = \"projected\"")?;
-        }
+        let band = if p.has_bands() { "projected" } else { "volume" };
+        writeln!(text, "** wythe: crack_band = \"{band}\"")?;
     }
     writeln!(text, "*CONCRETE DAMAGED PLASTICITY")?;
     writeln!(
