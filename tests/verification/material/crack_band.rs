@@ -95,7 +95,7 @@ follower = false
             );
             let (deck, model) = deck_and_model(&text);
             assert_eq!(
-                deck.materials["brick"].crack_band == CrackBand::Projected,
+                deck.materials["brick"].band() == CrackBand::Projected,
                 exact
             );
             let recording = completed(&model);

@@ -14,6 +14,10 @@ nu = 0.15
 density = "1900 kg/m^3"
 tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]  # stress, inelastic strain, damage
 compression = [[11, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]
+materials.f_t => f_t = "2 MPa"
+G_ft = "0.06 N/mm"  # with f_t, instead of the table tension
+f_c = "20 MPa"
+materials.G_fc => G_fc = "22 N/mm"  # with f_c, instead of the table compression
 dilation_angle = "10 deg"
 eccentricity = 0.1
 fb0_fc0 = 1.16

@@ -58,9 +58,13 @@ def elastic(E: Quantity, nu: float, *, density: Quantity | None = None) -> Part:
 def damage_plasticity(
     E: Quantity,
     nu: float,
-    tension: Rows,
-    compression: Rows,
+    tension: Rows | None = None,
+    compression: Rows | None = None,
     *,
+    f_t: Quantity | None = None,
+    G_ft: Quantity | None = None,
+    f_c: Quantity | None = None,
+    G_fc: Quantity | None = None,
     reference_length: Quantity | None = None,
     dilation_angle: Quantity | None = None,
     eccentricity: float | None = None,
@@ -81,17 +85,25 @@ def damage_plasticity(
         Young's modulus [MPa], Poisson's ratio.
     tension, compression
         Rows of stress [MPa] (positive), inelastic strain and damage. Shape (rows, 3).
+    f_t, G_ft
+        Tensile strength [MPa] and its fracture energy [N/mm], instead of ``tension``.
+    f_c, G_fc
+        Compressive strength [MPa] and its energy beyond the peak [N/mm], instead of ``compression``.
     reference_length
         Size of the elements for which the tables hold [mm].
     crack_band
         Element length compared with it: "volume", the cube root of the volume of the element, or "projected", its
-        length across the crack.
+        length across the crack. Default: "projected" with fracture energies, else "volume".
     """
     return _part(
         E=E,
         nu=nu,
         tension=tension,
         compression=compression,
+        f_t=f_t,
+        G_ft=G_ft,
+        f_c=f_c,
+        G_fc=G_fc,
         reference_length=reference_length,
         dilation_angle=dilation_angle,
         eccentricity=eccentricity,

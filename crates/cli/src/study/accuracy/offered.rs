@@ -2,7 +2,8 @@
 
 use super::scene::{Choice, Group};
 use wythe_core::deck::Deck;
-use wythe_core::deck::schema::{DeckProcedure, Interface, Wall};
+use wythe_core::deck::schema::{DeckProcedure, Interface, Material, Wall};
+use wythe_core::material::MaterialParameters;
 
 /// Keys of the deck and their values.
 type Set = Vec<(String, String)>;
@@ -153,11 +154,19 @@ fn solids(deck: &Deck) -> Vec<Choice> {
     ] {
         all.push(Choice::new(name, Group::Mesh, set));
     }
-    let cracks = deck.materials.iter().filter(|(_, m)| !m.tension.is_empty());
+    let cracks = deck.materials.iter().filter(|(_, m)| cracks(m));
     let band =
         cracks.flat_map(|(name, _)| one(&format!("materials.{name}.crack_band"), "projected"));
     all.push(Choice::new("projected", Group::CrackBand, band.collect()));
     all
+}
+
+/// Whether a material cracks and crushes by damage plasticity.
+fn cracks(material: &Material) -> bool {
+    matches!(
+        material.parameters(),
+        MaterialParameters::DamagePlasticity(_)
+    )
 }
 
 /// Stiffnesses of the joints, as a multiple of that of the joined bodies, or scaled if the deck gives values.
@@ -211,7 +220,7 @@ fn step(deck: &Deck, step: usize) -> Vec<Choice> {
 
 /// Levels of detail. `elastic` is no choice for solids that are elastic anyway.
 fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
-    let cracks = deck.materials.values().any(|m| !m.tension.is_empty());
+    let cracks = deck.materials.values().any(cracks);
     let names = ["full", "elastic"].into_iter();
     names
         .take(1 + usize::from(cracks))

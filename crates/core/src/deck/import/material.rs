@@ -169,7 +169,7 @@ impl ImportedMaterial {
         material.tension = tension;
         material.reference_length = length.or(self.reference_length).map(Length::new);
         if self.projected {
-            material.crack_band = CrackBand::Projected;
+            material.crack_band = Some(CrackBand::Projected);
         }
         Ok((material, notes))
     }

@@ -258,6 +258,9 @@ impl Deck {
                     .to_string_lossy()
                     .into();
             }
+            for material in deck.materials.values_mut() {
+                material.crack_band = Some(material.band());
+            }
             if no_toml.is_empty() {
                 errors.extend(validate::validate(&deck, &form.broken));
             }

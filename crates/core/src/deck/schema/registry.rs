@@ -48,6 +48,10 @@ pub const SOLIDS: [RegisteredSolid; 2] = [
         keys: &[
             "tension",
             "compression",
+            "f_t",
+            "G_ft",
+            "f_c",
+            "G_fc",
             "dilation_angle",
             "eccentricity",
             "fb0_fc0",
