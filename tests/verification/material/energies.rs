@@ -50,7 +50,7 @@ fixed = ["z"]
 [[probes]]
 name = "end"
 near = [{length}, 30, 40]
-direction = "right"
+direction = "x"
 [[steps]]
 name = "drive"
 kind = "load"

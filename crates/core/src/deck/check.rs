@@ -184,6 +184,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
             notes.extend(energy_notes(deck, &material.name, p));
         }
     }
+    notes.extend(deck.assumed().iter().map(ToString::to_string));
     for (name, f) in findings::interfaces(deck, model) {
         notes.extend(interface_notes(name, f, model));
         notes.extend(scatter_note(deck, name, model));

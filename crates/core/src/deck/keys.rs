@@ -9,6 +9,8 @@ title = "Wall J7D"
 fidelity = "auto"  # or "full", "elastic"
 [materials.brick]
 materials.kind => kind = "damage-plasticity"  # the default; or "drucker-prager"
+materials.name => name = "clay brick, solid"  # of the catalogue
+f_b = "20 MPa"  # compressive strength of the unit by test, beside name
 E = "16.7 GPa"
 nu = 0.15
 density = "1900 kg/m^3"
@@ -30,6 +32,7 @@ crack_band = "projected"  # or "volume"
 interpolation = "eff1"  # or "lit"
 [interfaces.joint]
 interfaces.kind => kind = "cohesive-frictional"  # or "cap"
+interfaces.name => name = "M5 on clay"  # of the catalogue
 f_m = "8.5 MPa"
 G_fc = "5 N/mm"
 kappa_p = "0.09 mm"

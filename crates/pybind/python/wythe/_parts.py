@@ -118,6 +118,14 @@ def damage_plasticity(
     )
 
 
+def by_name(name: str, **keys: Value) -> Part:
+    """A material or a joint of the catalogue (docs/reference/materials.md), such as "M5" or "M5 on clay".
+
+    ``keys`` are those of the deck, such as ``f_b="20 MPa"``; they come before the values of the catalogue.
+    """
+    return _part(name=name, **keys)
+
+
 def joint(
     f_t: Quantity,
     c: Quantity,

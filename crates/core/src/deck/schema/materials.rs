@@ -1,6 +1,7 @@
 //! `[materials.NAME]`: elastic constants, the law, and the keys that it reads (theory/damage-plasticity.md,
 //! theory/drucker-prager.md).
 
+use super::named_or_whole;
 use super::registry::SolidKind;
 use crate::deck::quantity::{Angle, Density, FractureEnergy, Length, Number, Pressure, Time};
 use crate::material::by_energy::UNIT_LENGTH;
@@ -17,6 +18,7 @@ use serde_with::skip_serializing_none;
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = named_or_whole)]
 #[expect(
     non_snake_case,
     reason = "E, K_c and G_I are spelt in the deck as in the theory"
@@ -26,6 +28,10 @@ pub struct Material {
     /// Law; concrete damaged plasticity, which is linear elastic without tables, if absent.
     #[serde(default)]
     pub kind: SolidKind,
+    /// Name in the catalogue of materials, from which absent keys take their values.
+    pub name: Option<String>,
+    /// Compressive strength of a unit by test f_b [MPa], beside `name`: other values follow from it.
+    pub f_b: Option<Pressure>,
     /// Young's modulus E [MPa].
     pub E: Pressure,
     /// Poisson's ratio ν [-].
@@ -115,6 +121,8 @@ impl Material {
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
             kind: SolidKind::default(),
+            name: None,
+            f_b: None,
             E: modulus,
             nu,
             density,

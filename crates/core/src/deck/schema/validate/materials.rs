@@ -1,6 +1,7 @@
 //! Ranges of `[materials]`.
 
 use super::{Checks, Given as _};
+use crate::deck::catalogue::Sort;
 use crate::deck::keys;
 use crate::deck::quantity::Number;
 use crate::deck::schema::registry::SOLIDS;
@@ -50,6 +51,8 @@ impl Checks<'_> {
     pub(super) fn material(&mut self, path: &str, m: &Material) {
         let key = |name: &str| format!("{path}.{name}");
         self.positive(&key("E"), m.E);
+        self.positive(&key("f_b"), m.f_b);
+        self.strength_by_test(path, m);
         let nu = m.nu.get();
         self.demand(
             nu > -1.0 && nu < 0.5,
@@ -82,6 +85,24 @@ impl Checks<'_> {
             self.energies(path, m);
         }
         self.tables(path, m);
+    }
+
+    /// Requires that `f_b` stands beside the name of a unit, from which other values follow.
+    fn strength_by_test(&mut self, path: &str, m: &Material) {
+        let named = m.name.as_deref().map(Sort::of);
+        let (message, help) = match named {
+            _ if m.f_b.is_none() => return,
+            Some(Some(Sort::Unit) | None) => return,
+            None => (
+                "`f_b` is read beside `name` only, whose values follow from it",
+                "give `name` (docs/reference/materials.md), or the strength as f_c with G_fc",
+            ),
+            Some(Some(Sort::Mortar)) => (
+                "`f_b` is the strength of a unit, and this is a mortar",
+                "give the strength of the mortar as f_c",
+            ),
+        };
+        self.require(false, &format!("{path}.f_b"), || message.to_owned(), help);
     }
 
     /// Ranges of the yield surface and the flow potential of damage plasticity.
