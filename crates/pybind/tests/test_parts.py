@@ -149,13 +149,30 @@ def test_every_argument_of_materials_and_joints_is_a_key() -> None:
         interpolation="lit",
         density=2e-9,
     )
-    assert set(solid) == set(inspect.signature(build.damage_plasticity).parameters)
+    energies = {"f_t": 1, "G_ft": "30 N/m", "f_c": 20, "G_fc": 22}
+    keys = set(inspect.signature(build.damage_plasticity).parameters)
+    assert set(solid) == keys - set(energies)
+    assert build.damage_plasticity(6000, 0.15, **energies) == {"E": 6000, "nu": 0.15, **energies}  # type: ignore[arg-type]
     model = wythe.templates.couplet()
     changed = model.with_({"materials.brick": solid, "interfaces.joint": joint})
     # A deck says the law of each, which is the default here.
     assert changed.material("brick") == {"kind": "damage-plasticity", **solid, "dilation_angle": 20.0}
     assert changed.interface("joint") == {"kind": "cohesive-frictional", **joint}
     assert build.elastic(5, 0.1) == {"E": 5, "nu": 0.1}
+
+
+def test_materials_and_joints_by_name_take_what_is_left_out() -> None:
+    model = wythe.templates.couplet().with_(
+        {
+            "materials.brick": build.by_name("clay brick, solid", f_b="20 MPa"),
+            "interfaces.joint": build.by_name("M5 on clay", normal_stiffness=50, shear_stiffness=20),
+        }
+    )
+    brick, joint = model.material("brick"), model.interface("joint")
+    assert (brick["E"], brick["f_c"], brick["G_ft"]) == (6000, 20, 0.029)
+    assert (joint["c"], joint["mu"], joint["normal_stiffness"]) == (0.25, 0.5, 50)
+    with pytest.raises(wythe.ModelError, match="no material named"):
+        model.with_({"materials.brick": build.by_name("clay brik")})
 
 
 def test_a_block_of_nodes_and_a_joint_that_scatters_are_parts() -> None:

@@ -6,6 +6,7 @@ mod bad_decks;
 mod bad_scenes;
 mod bonds;
 mod bounded_decks;
+mod catalogue;
 mod checker;
 mod grids;
 mod imported_scenes;

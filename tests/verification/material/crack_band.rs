@@ -102,7 +102,7 @@ fn crack_energy_does_not_depend_on_the_orientation_of_the_element() {
             let text = pulled(REFERENCE, band, [direction, far], 0.02);
             let (deck, model) = deck_and_model(&text);
             assert_eq!(
-                deck.materials["brick"].crack_band == Some(CrackBand::Projected),
+                deck.materials["brick"].band() == CrackBand::Projected,
                 exact
             );
             let recording = completed(&model);

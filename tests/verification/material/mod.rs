@@ -3,6 +3,7 @@
 mod crack_band;
 mod damage_plasticity;
 mod drucker_prager;
+mod energies;
 mod return_map;
 mod solid_laws;
 mod tables;

@@ -97,6 +97,7 @@ fn model() -> Model {
             amplitude: None,
         }],
         warnings: Vec::new(),
+        assumed: Vec::new(),
         fidelity: Fidelity::Full,
         output: Output {
             every: 1,

@@ -69,6 +69,7 @@ impl Model {
             steps: parts.loading.steps,
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
+            assumed: deck.assumed().iter().map(ToString::to_string).collect(),
             fidelity: deck.fidelity,
         };
         model.contact.general = errors.keep(general::general(deck, &model)).flatten();

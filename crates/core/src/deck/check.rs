@@ -6,8 +6,11 @@ use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::symmetry::{self, Plane};
 use super::{rigid, scatter, tables, wall_defaults};
 use crate::error::Warning;
+use crate::material::by_energy::areas;
 use crate::material::uniaxial::snap_back;
-use crate::material::{MaterialHistory, MaterialParameters};
+use crate::material::{
+    Branch, DamagePlasticityParameters, MaterialHistory, MaterialParameters, TableRow,
+};
 use crate::model::Model;
 use crate::model::mirrored;
 use crate::model::mirrored::MirrorPlane;
@@ -175,13 +178,17 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
     }
     for (material, elements) in model.materials.iter().zip(&elements) {
         notes.extend(material_note(model, material, elements));
-        if let MaterialParameters::DamagePlasticity(p) = &material.parameters
-            && p.has_bands()
+        if let (MaterialParameters::DamagePlasticity(p), false) =
+            (&material.parameters, elements.is_empty())
         {
-            let widths = findings::band_widths(model, elements);
-            notes.extend(tables::band_notes(deck, &material.name, p, widths));
+            notes.extend(energy_notes(deck, &material.name, p));
+            if p.has_bands() {
+                let widths = findings::band_widths(model, elements);
+                notes.extend(tables::band_notes(deck, &material.name, p, widths));
+            }
         }
     }
+    notes.extend(deck.assumed().iter().map(ToString::to_string));
     for (name, f) in findings::interfaces(deck, model) {
         notes.extend(interface_notes(name, f, model));
         notes.extend(scatter_note(deck, name, model));
@@ -242,6 +249,58 @@ fn material_note(model: &Model, material: &NamedMaterial, elements: &[usize]) ->
     };
     let name = &material.name;
     Some(format!("material {name}: l_eq {lengths}; {kind}"))
+}
+
+/// Notes on the energies of both curves of a material: per area where the tables have a length, else per volume.
+fn energy_notes(deck: &Deck, name: &str, p: &DamagePlasticityParameters) -> [String; 2] {
+    [
+        (Branch::Tension, &p.tension, ["f_t", "G_ft"]),
+        (Branch::Compression, &p.compression, ["f_c", "G_fc"]),
+    ]
+    .map(|(branch, rows, [strength, energy])| {
+        let peak = rows.iter().map(|row| row.stress).fold(0.0, f64::max);
+        let given = deck.materials.get(name);
+        let by_energy = given.and_then(|m| m.by_energy(branch)).is_some();
+        let [before, beyond] = areas(rows);
+        let (unit, times) = match p.reference_length {
+            Some(length) => ("N/mm", length),
+            None => ("N/mm per mm of an element", 1.0),
+        };
+        let mut note = format!(
+            "material {name}: {strength} = {peak} MPa, {energy} = {:.4} {unit} beyond the peak",
+            times * beyond
+        );
+        if !by_energy {
+            note += &by_row(rows, times);
+        }
+        if before > 0.0 {
+            // Hardening is not scaled to the element, so that its energy is one per volume.
+            note += &format!(", {before:.4} N/mm^2 up to it");
+        }
+        if let (Some(length), Some((_, ratio))) = (p.reference_length, snap_back(p.elastic.E, rows))
+        {
+            let size = p.elastic.E * length * beyond / (peak * peak);
+            note += &format!(
+                "; no snap-back below {:.1} mm, {:.2} E {energy}/{strength}^2",
+                ratio * length,
+                ratio * length / size
+            );
+        }
+        note
+    })
+}
+
+/// The energy of each row of a table beyond its peak, if there are several.
+fn by_row(rows: &[TableRow], times: f64) -> String {
+    let of = |end: usize| times * areas(&rows[..=end])[1];
+    let softening = (1..rows.len()).filter(|end| of(*end) > 0.0);
+    let told: Vec<String> = softening
+        .map(|end| format!("{:.4} to row {}", of(end), end + 1))
+        .collect();
+    if told.len() < 2 {
+        return String::new();
+    }
+    format!(" ({})", told.join(", "))
 }
 
 /// Notes on bond and mesh of a wall.

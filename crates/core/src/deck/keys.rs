@@ -9,11 +9,17 @@ title = "Wall J7D"
 fidelity = "auto"  # or "full", "elastic"
 [materials.brick]
 materials.kind => kind = "damage-plasticity"  # the default; or "drucker-prager"
+materials.name => name = "clay brick, solid"  # of the catalogue
+f_b = "20 MPa"  # compressive strength of the unit by test, beside name
 E = "16.7 GPa"
 nu = 0.15
 density = "1900 kg/m^3"
 tension = [[3.5, 0, 0], [0.3, 0.002, 0.95]]  # stress, inelastic strain, damage
 compression = [[11, 0, 0], [11.5, 0.001, 0], [0.6, 0.007, 0.95]]
+materials.f_t => f_t = "2 MPa"
+G_ft = "0.06 N/mm"  # with f_t, instead of the table tension
+f_c = "20 MPa"
+materials.G_fc => G_fc = "22 N/mm"  # with f_c, instead of the table compression
 dilation_angle = "10 deg"
 eccentricity = 0.1
 fb0_fc0 = 1.16
@@ -26,6 +32,7 @@ crack_band = "projected"  # or "volume"
 interpolation = "eff1"  # or "lit"
 [interfaces.joint]
 interfaces.kind => kind = "cohesive-frictional"  # or "cap"
+interfaces.name => name = "M5 on clay"  # of the catalogue
 f_m = "8.5 MPa"
 G_fc = "5 N/mm"
 kappa_p = "0.09 mm"

@@ -6,6 +6,7 @@ mod beams;
 mod bodies;
 pub mod body;
 mod build;
+pub mod catalogue;
 pub mod check;
 mod contradictions;
 mod findings;

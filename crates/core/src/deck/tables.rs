@@ -3,9 +3,10 @@
 
 use super::schema::Deck;
 use crate::error::{ModelError, Warning};
+use crate::material::by_energy::UNIT_LENGTH;
 use crate::material::{
-    Branch, Curve, Curves, DamagePlasticityParameters, Material, MaterialParameters, TableError,
-    TableWarning,
+    Branch, ByEnergy, Curve, Curves, DamagePlasticityParameters, Material, MaterialParameters,
+    TableError, TableWarning,
 };
 
 impl Deck {
@@ -29,7 +30,12 @@ impl Deck {
                 let warning = (softens && !sized).then(|| without_length(self, name));
                 warning.into_iter().collect()
             }
-            MaterialParameters::DamagePlasticity(p) => judge(self, name, p, &lengths)?,
+            MaterialParameters::DamagePlasticity(p) => {
+                let mut warnings = judge(self, name, p, &lengths)?;
+                let without = l_eq.is_none() && material_without_length(self, name);
+                warnings.extend(without.then(|| one_millimetre(self, name)));
+                warnings
+            }
         };
         let (law, _) = Material::new(&parameters, l_eq)
             .map_err(|error| refusal(self, name, &parameters, &error))?;
@@ -45,6 +51,36 @@ fn without_length(deck: &Deck, name: &str) -> Warning {
          reference_length gives it one"
             .to_owned(),
     )
+}
+
+/// Whether a material has fracture energies and no length for a point without size.
+fn material_without_length(deck: &Deck, name: &str) -> bool {
+    let material = deck.materials.get(name);
+    material.is_some_and(|m| m.has_energies() && m.reference_length.is_none())
+}
+
+/// That a point without size softens as an element of 1 mm does.
+fn one_millimetre(deck: &Deck, name: &str) -> Warning {
+    deck.warning(
+        &format!("materials.{name}"),
+        format!(
+            "softening by a fracture energy wants a length, and a point has none: it is that of an element of \
+             {UNIT_LENGTH} mm; reference_length gives it another one"
+        ),
+    )
+}
+
+/// The strength and the fracture energy of a branch that the deck gives by them.
+fn by_energy(deck: &Deck, name: &str, branch: Branch) -> Option<ByEnergy> {
+    deck.materials.get(name)?.by_energy(branch)
+}
+
+/// Keys of strength and fracture energy.
+fn keys_of(branch: Branch) -> [&'static str; 2] {
+    match branch {
+        Branch::Tension => ["f_t", "G_ft"],
+        Branch::Compression => ["f_c", "G_fc"],
+    }
 }
 
 /// Makes the law in elements of these equivalent lengths [mm], as a run does.
@@ -95,7 +131,10 @@ pub(super) fn judge(
         }
         let parameters = MaterialParameters::DamagePlasticity(p.clone());
         errors.extend(refused.map(|error| refusal(deck, name, &parameters, &error)));
-        warnings.extend(caps(deck, name, "elements", &capped));
+        // The damage of rows that follow from an energy is no choice of the author.
+        if by_energy(deck, name, branch).is_none() {
+            warnings.extend(caps(deck, name, "elements", &capped));
+        }
     }
     ModelError::gather(errors).map_or(Ok(warnings), Err)
 }
@@ -114,7 +153,7 @@ pub(super) fn judge_bands(
     let parameters = MaterialParameters::DamagePlasticity(p.clone());
     let (_, said) =
         Curves::of_bands(p, widths).map_err(|error| refusal(deck, name, &parameters, &error))?;
-    let (of_the_table, _) = parted(p, said);
+    let (of_the_table, _) = parted(deck, name, p, said);
     Ok(caps(deck, name, "bands", &of_the_table))
 }
 
@@ -133,23 +172,32 @@ pub(super) fn band_notes(
             row,
             width,
             limit,
-        } => Some(format!(
-            "material {name}: elements are up to {width:.1} mm wide across a crack in {branch}; beyond {limit:.1} mm the \
-             softening to row {row} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} \
-             times its energy: a run warns if that counted",
-            width / limit
-        )),
+        } => {
+            let softening = match by_energy(deck, name, branch) {
+                Some(_) => format!("softening with this {}", keys_of(branch)[1]),
+                None => format!("softening to row {row}"),
+            };
+            Some(format!(
+                "material {name}: elements are up to {width:.1} mm wide across a crack in {branch}; beyond {limit:.1} mm \
+                 the {softening} would snap back, so it is that of {limit:.1} mm there, and a crack takes up to {:.1} \
+                 times its energy: a run warns if that counted",
+                width / limit
+            ))
+        }
         TableWarning::DamageCapped { .. } => None,
     });
     let mut notes: Vec<String> = narrowed.collect();
-    let (_, of_wide_bands) = parted(p, said);
+    let (_, of_wide_bands) = parted(deck, name, p, said);
     let caps = caps(deck, name, "bands", &of_wide_bands);
     notes.extend(caps.iter().map(ToString::to_string));
     notes
 }
 
-/// Capped damage of rows that are inadmissible in bands of the reference length, too, and of other rows.
+/// Capped damage of rows that are inadmissible in bands of the reference length, too, and of other rows. That of rows
+/// that follow from an energy is no choice of the author and is left out.
 fn parted(
+    deck: &Deck,
+    name: &str,
     p: &DamagePlasticityParameters,
     said: Vec<TableWarning>,
 ) -> (Vec<TableWarning>, Vec<TableWarning>) {
@@ -159,8 +207,12 @@ fn parted(
     let given = given.and_then(Result::ok);
     let given = given.map_or_else(Vec::new, |(_, said)| said);
     let row = |warning: &TableWarning| match warning {
-        TableWarning::DamageCapped { branch, row, .. } => Some((*branch, *row)),
-        TableWarning::BandNarrowed { .. } => None,
+        TableWarning::DamageCapped { branch, row, .. }
+            if by_energy(deck, name, *branch).is_none() =>
+        {
+            Some((*branch, *row))
+        }
+        _ => None,
     };
     let capped = said.into_iter().filter(|warning| row(warning).is_some());
     capped.partition(|warning| given.iter().any(|own| row(own) == row(warning)))
@@ -217,6 +269,42 @@ fn cell(name: &str, branch: Branch, row: usize, column: Option<usize>) -> String
     column.map_or(row.clone(), |column| format!("{row}.{column}"))
 }
 
+/// The error of a curve that follows from a strength and a fracture energy: its rows are not in the deck.
+fn too_brittle(deck: &Deck, name: &str, error: &TableError) -> Option<ModelError> {
+    let (branch, what) = match error {
+        TableError::SnapBack {
+            branch,
+            l_eq,
+            l_max,
+            ..
+        } => (
+            *branch,
+            format!(
+                "elements of {l_eq:.1} mm (cube root of the volume) are over the limit of {l_max:.1} mm"
+            ),
+        ),
+        TableError::Row { branch, .. } | TableError::Inadmissible { branch, .. } => (
+            *branch,
+            format!("an element of {UNIT_LENGTH} mm is too large"),
+        ),
+        _ => return None,
+    };
+    let of = by_energy(deck, name, branch)?;
+    let [strength, energy] = keys_of(branch);
+    Some(deck.error(
+        &format!("materials.{name}.{energy}"),
+        format!(
+            "{what}: the softening in {branch} with `{strength}` = {} MPa and `{energy}` = {} N/mm snaps back within \
+             an element",
+            of.strength, of.energy
+        ),
+        &format!(
+            "refine the mesh, give a larger {energy}, or leave out crack_band = \"volume\": `projected` narrows \
+             bands that are too wide"
+        ),
+    ))
+}
+
 /// Converts the error of a law to one at its place in the deck, with advice.
 #[expect(
     clippy::too_many_lines,
@@ -229,6 +317,9 @@ pub(super) fn refusal(
     error: &TableError,
 ) -> ModelError {
     let table = |branch: Branch| format!("materials.{name}.{branch}");
+    if let Some(error) = too_brittle(deck, name, error) {
+        return error;
+    }
     match error {
         TableError::TooShort { branch } => deck.error(
             &table(*branch),

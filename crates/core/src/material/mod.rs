@@ -6,6 +6,7 @@
 
 pub mod band;
 mod built_in;
+pub mod by_energy;
 pub mod damage_plasticity;
 pub mod drucker_prager;
 pub mod law;
@@ -19,6 +20,7 @@ mod tangent;
 pub mod uniaxial;
 
 pub use band::{Curves, Extent};
+pub use by_energy::ByEnergy;
 pub use damage_plasticity::DamagePlasticity;
 pub use drucker_prager::DruckerPrager;
 pub use law::{LocalFailure, MaterialHistory, PointEnergy, Response};

@@ -5,7 +5,18 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::by_energy::{ByEnergy, UNIT_LENGTH};
 use super::solid_law::{CustomLaw, LawOutput, SolidLaw};
+
+/// Usual dilation angle ψ [deg]. This and the next three are those of quasi-brittle materials in Table 2 of D'Altri
+/// et al. (2018).
+pub const DILATION_ANGLE: f64 = 10.0;
+/// Usual eccentricity of the flow potential [-].
+pub const ECCENTRICITY: f64 = 0.1;
+/// Usual f_b0/f_c0 [-].
+pub const FB0_FC0: f64 = 1.16;
+/// Usual K_c [-].
+pub const K_C: f64 = 2.0 / 3.0;
 
 /// Parameters of a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,6 +130,27 @@ pub struct DruckerPragerParameters {
 }
 
 impl DamagePlasticityParameters {
+    /// A material with strengths and fracture energies, whose crack bands are projected (theory/crack-band.md, eqs 10
+    /// to 13). The surface and the flow are the usual ones: dilation 10°, eccentricity 0.1, f_b0/f_c0 = 1.16, K_c =
+    /// 2/3. A strength or energy that is not positive is an error when the law is built.
+    pub fn by_energy(elastic: ElasticParameters, tension: ByEnergy, compression: ByEnergy) -> Self {
+        Self {
+            elastic,
+            tension: tension.tension(UNIT_LENGTH),
+            compression: compression.compression(elastic.E, UNIT_LENGTH),
+            dilation_angle: DILATION_ANGLE.to_radians(),
+            eccentricity: ECCENTRICITY,
+            fb0_fc0: FB0_FC0,
+            k_c: K_C,
+            tension_recovery: 0.0,
+            compression_recovery: 1.0,
+            viscosity: 0.0,
+            reference_length: Some(UNIT_LENGTH),
+            crack_band: CrackBand::Projected,
+            interpolation: Interpolation::default(),
+        }
+    }
+
     /// Whether each point has a band width of its own.
     pub fn has_bands(&self) -> bool {
         self.crack_band == CrackBand::Projected && self.reference_length.is_some()

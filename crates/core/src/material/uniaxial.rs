@@ -506,7 +506,7 @@ fn scale(
 }
 
 /// Row of the peak stress, from 0; for a plateau the last row, after which softening begins.
-fn peak_row(rows: &[TableRow]) -> usize {
+pub(super) fn peak_row(rows: &[TableRow]) -> usize {
     let higher = |p: usize, i: usize| {
         if rows[i].stress >= rows[p].stress {
             i

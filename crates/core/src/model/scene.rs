@@ -41,6 +41,8 @@ pub struct Model {
     pub output: Output,
     /// Warnings for the author of the model.
     pub warnings: Vec<Warning>,
+    /// What named materials and joints took from the catalogue, a sentence each.
+    pub assumed: Vec<String>,
     /// Part of the scene that is computed.
     pub fidelity: Fidelity,
 }
@@ -66,6 +68,7 @@ impl Model {
                 ..Output::default()
             },
             warnings: Vec::new(),
+            assumed: Vec::new(),
             fidelity: Fidelity::Auto,
         }
     }

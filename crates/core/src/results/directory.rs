@@ -332,6 +332,7 @@ impl RunDirectory {
                 cpu_s,
                 peak_rss_megabytes: usage::peak_memory_megabytes(),
                 model_warnings,
+                assumed: &model.assumed,
             },
         );
         writing(&path, SUMMARY, |file| summary.write(file))?;

@@ -82,6 +82,9 @@ pub struct SummaryFile {
     pub warnings: Vec<String>,
     /// Changes of procedure with their reasons.
     pub log: Vec<String>,
+    /// What named materials and joints took from the catalogue, with sources; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<String>,
     /// Total dissipated energy [J].
     #[serde(default)]
     pub dissipated_energy_J: f64,
@@ -168,6 +171,8 @@ pub struct Measured<'a> {
     pub peak_rss_megabytes: Option<f64>,
     /// Warnings of the model.
     pub model_warnings: &'a [String],
+    /// What named materials and joints took from the catalogue.
+    pub assumed: &'a [String],
 }
 
 impl SummaryFile {
@@ -214,6 +219,7 @@ impl SummaryFile {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             warnings,
             log: run.log.clone(),
+            assumed: measured.assumed.to_vec(),
             dissipated_energy_J: measured.energy.dissipated(),
             opposite_peak_force_kN: opposite.map(|p| p.force),
             displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
@@ -262,6 +268,7 @@ mod tests {
             cpu_s: Some(3.0),
             peak_rss_megabytes: None,
             model_warnings: &["of the model".to_owned()],
+            assumed: &[],
         };
         let mut run = fake::summary(Status::NotConverged);
         run.warnings = vec!["of the run".to_owned()];

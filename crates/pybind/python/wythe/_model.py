@@ -439,7 +439,7 @@ class Model:
 def _material(material: Mapping[str, Any]) -> str:
     law = material["kind"]
     if law == "damage-plasticity":
-        law = "damaged plasticity" if material.get("tension") else "elastic"
+        law = "damaged plasticity" if material.get("tension") or "f_t" in material else "elastic"
     return f"{law}, E = {material['E']:g} MPa, nu = {material['nu']:g}"
 
 

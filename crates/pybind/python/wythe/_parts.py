@@ -58,9 +58,13 @@ def elastic(E: Quantity, nu: float, *, density: Quantity | None = None) -> Part:
 def damage_plasticity(
     E: Quantity,
     nu: float,
-    tension: Rows,
-    compression: Rows,
+    tension: Rows | None = None,
+    compression: Rows | None = None,
     *,
+    f_t: Quantity | None = None,
+    G_ft: Quantity | None = None,
+    f_c: Quantity | None = None,
+    G_fc: Quantity | None = None,
     reference_length: Quantity | None = None,
     dilation_angle: Quantity | None = None,
     eccentricity: float | None = None,
@@ -81,6 +85,10 @@ def damage_plasticity(
         Young's modulus [MPa], Poisson's ratio.
     tension, compression
         Rows of stress [MPa] (positive), inelastic strain and damage. Shape (rows, 3).
+    f_t, G_ft
+        Tensile strength [MPa] and its fracture energy [N/mm], instead of ``tension``.
+    f_c, G_fc
+        Compressive strength [MPa] and its energy beyond the peak [N/mm], instead of ``compression``.
     reference_length
         Size of the elements for which the tables hold [mm].
     crack_band
@@ -92,6 +100,10 @@ def damage_plasticity(
         nu=nu,
         tension=tension,
         compression=compression,
+        f_t=f_t,
+        G_ft=G_ft,
+        f_c=f_c,
+        G_fc=G_fc,
         reference_length=reference_length,
         dilation_angle=dilation_angle,
         eccentricity=eccentricity,
@@ -104,6 +116,14 @@ def damage_plasticity(
         interpolation=interpolation,
         density=density,
     )
+
+
+def by_name(name: str, **keys: Value) -> Part:
+    """A material or a joint of the catalogue (docs/reference/materials.md), such as "M5" or "M5 on clay".
+
+    ``keys`` are those of the deck, such as ``f_b="20 MPa"``; they come before the values of the catalogue.
+    """
+    return _part(name=name, **keys)
 
 
 def joint(

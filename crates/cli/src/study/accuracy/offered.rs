@@ -2,8 +2,8 @@
 
 use super::scene::{Choice, Group};
 use wythe_core::deck::Deck;
-use wythe_core::deck::schema::{DeckProcedure, Interface, Wall};
-use wythe_core::material::CrackBand;
+use wythe_core::deck::schema::{DeckProcedure, Interface, Material, Wall};
+use wythe_core::material::{CrackBand, MaterialParameters};
 
 /// Keys of the deck and their values.
 type Set = Vec<(String, String)>;
@@ -158,14 +158,22 @@ fn solids(deck: &Deck) -> Vec<Choice> {
         ("volume", CrackBand::Volume),
         ("projected", CrackBand::Projected),
     ] {
-        let others = deck.materials.iter().filter(|(_, m)| {
-            let scaled = !m.tension.is_empty() && m.reference_length.is_some();
-            scaled && m.crack_band.unwrap_or_default() != of
-        });
+        let others = deck
+            .materials
+            .iter()
+            .filter(|(_, m)| cracks(m) && m.band() != of);
         let band = others.flat_map(|(key, _)| one(&format!("materials.{key}.crack_band"), name));
         all.push(Choice::new(name, Group::CrackBand, band.collect()));
     }
     all
+}
+
+/// Whether a material cracks and crushes by damage plasticity.
+fn cracks(material: &Material) -> bool {
+    matches!(
+        material.parameters(),
+        MaterialParameters::DamagePlasticity(_)
+    )
 }
 
 /// Stiffnesses of the joints, as a multiple of that of the joined bodies, or scaled if the deck gives values.
@@ -219,7 +227,7 @@ fn step(deck: &Deck, step: usize) -> Vec<Choice> {
 
 /// Levels of detail. `elastic` is no choice for solids that are elastic anyway.
 fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
-    let cracks = deck.materials.values().any(|m| !m.tension.is_empty());
+    let cracks = deck.materials.values().any(cracks);
     let names = ["full", "elastic"].into_iter();
     names
         .take(1 + usize::from(cracks))

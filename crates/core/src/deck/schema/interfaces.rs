@@ -1,6 +1,6 @@
 //! `[interfaces.NAME]`: the law of a joint, by its kind (theory/joint.md, theory/joint-cap.md).
 
-use super::JointKind;
+use super::{JointKind, named_or_whole};
 use crate::deck::quantity::{
     FractureEnergy, InterfaceStiffness, InverseLength, Length, Number, Pressure, Quantity,
 };
@@ -14,6 +14,7 @@ use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = named_or_whole)]
 #[expect(
     non_snake_case,
     reason = "energies and weights are spelt in the deck as in the theory"
@@ -23,6 +24,8 @@ pub struct Interface {
     /// Law of the joint.
     #[serde(default)]
     pub kind: JointKind,
+    /// Name in the catalogue of joints, from which absent keys take their values.
+    pub name: Option<String>,
     /// Tensile strength f_t [MPa].
     pub f_t: Pressure,
     /// Cohesion c [MPa].

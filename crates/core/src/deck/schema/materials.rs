@@ -1,11 +1,14 @@
 //! `[materials.NAME]`: elastic constants, the law, and the keys that it reads (theory/damage-plasticity.md,
 //! theory/drucker-prager.md).
 
+use super::named_or_whole;
 use super::registry::SolidKind;
 use crate::deck::quantity::{Angle, Density, FractureEnergy, Length, Number, Pressure, Time};
+use crate::material::by_energy::UNIT_LENGTH;
+use crate::material::parameters::{DILATION_ANGLE, ECCENTRICITY, FB0_FC0, K_C};
 use crate::material::{
-    CrackBand, DamagePlasticityParameters, DruckerPragerParameters, ElasticParameters,
-    Interpolation, MaterialParameters, TableRow,
+    Branch, ByEnergy, CrackBand, DamagePlasticityParameters, DruckerPragerParameters,
+    ElasticParameters, Interpolation, MaterialParameters, TableRow,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,6 +18,7 @@ use serde_with::skip_serializing_none;
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = named_or_whole)]
 #[expect(
     non_snake_case,
     reason = "E, K_c and G_I are spelt in the deck as in the theory"
@@ -24,6 +28,10 @@ pub struct Material {
     /// Law; concrete damaged plasticity, which is linear elastic without tables, if absent.
     #[serde(default)]
     pub kind: SolidKind,
+    /// Name in the catalogue of materials, from which absent keys take their values.
+    pub name: Option<String>,
+    /// Compressive strength of a unit by test f_b [MPa], beside `name`: other values follow from it.
+    pub f_b: Option<Pressure>,
     /// Young's modulus E [MPa].
     pub E: Pressure,
     /// Poisson's ratio ν [-].
@@ -37,8 +45,14 @@ pub struct Material {
     pub phi: Option<Angle>,
     /// Drucker–Prager: dilation angle ψ [deg]; φ if absent.
     pub psi: Option<Angle>,
-    /// Drucker–Prager: uniaxial tensile strength f_t [MPa].
+    /// Uniaxial tensile strength f_t [MPa]; of damage plasticity with `G_ft`, instead of the table `tension`.
     pub f_t: Option<Pressure>,
+    /// Damage plasticity: fracture energy in tension [N/mm], with `f_t`.
+    pub G_ft: Option<FractureEnergy>,
+    /// Damage plasticity: uniaxial compressive strength f_c [MPa], with `G_fc`, instead of the table `compression`.
+    pub f_c: Option<Pressure>,
+    /// Damage plasticity: fracture energy in compression beyond the peak [N/mm], with `f_c`.
+    pub G_fc: Option<FractureEnergy>,
     /// Drucker–Prager: fracture energy in tension [N/mm]; if absent, no softening.
     pub G_I: Option<FractureEnergy>,
     /// Drucker–Prager: fracture energy in compression [N/mm]; if absent, no softening.
@@ -70,7 +84,8 @@ pub struct Material {
     /// Viscosity in step time [s]; 0: none.
     #[serde(default)]
     pub viscosity: Time,
-    /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled.
+    /// Length l_ref for which the tables hold [mm]; if absent, tables are not scaled. Fracture energies do not need
+    /// it.
     pub reference_length: Option<Length>,
     /// Length of an element that is compared with `reference_length`: its length across the crack, or the cube root
     /// of its volume; the former if absent.
@@ -85,18 +100,17 @@ pub struct Material {
 #[serde(expecting = "a row [stress, inelastic strain, damage]")]
 pub struct Row(pub Pressure, pub Number, pub Number);
 
-// Parameters of quasi-brittle materials in Table 2 of the paper.
 fn dilation_angle() -> Angle {
-    Angle::new(10.0)
+    Angle::new(DILATION_ANGLE)
 }
 fn eccentricity() -> Number {
-    Number::new(0.1)
+    Number::new(ECCENTRICITY)
 }
 fn fb0_fc0() -> Number {
-    Number::new(1.16)
+    Number::new(FB0_FC0)
 }
 fn k_c() -> Number {
-    Number::new(2.0 / 3.0)
+    Number::new(K_C)
 }
 fn one() -> Number {
     Number::new(1.0)
@@ -107,6 +121,8 @@ impl Material {
     pub fn elastic(modulus: Pressure, nu: Number, density: Density) -> Self {
         Self {
             kind: SolidKind::default(),
+            name: None,
+            f_b: None,
             E: modulus,
             nu,
             density,
@@ -114,6 +130,9 @@ impl Material {
             phi: None,
             psi: None,
             f_t: None,
+            G_ft: None,
+            f_c: None,
+            G_fc: None,
             G_I: None,
             G_c: None,
             tension: Vec::new(),
@@ -159,24 +178,57 @@ impl Material {
         })
     }
 
-    /// Of concrete damaged plasticity; linear elastic without tables.
+    /// Strength and fracture energy of a branch that the deck gives by them.
+    pub fn by_energy(&self, branch: Branch) -> Option<ByEnergy> {
+        let (strength, energy) = match branch {
+            Branch::Tension => (self.f_t, self.G_ft),
+            Branch::Compression => (self.f_c, self.G_fc),
+        };
+        Some(ByEnergy {
+            strength: strength?.get(),
+            energy: energy?.get(),
+        })
+    }
+
+    /// Returns whether any branch is given by a fracture energy.
+    pub fn has_energies(&self) -> bool {
+        self.G_ft.is_some() || self.G_fc.is_some()
+    }
+
+    /// Length of an element that is compared with the reference length.
+    pub fn band(&self) -> CrackBand {
+        self.crack_band.unwrap_or_default()
+    }
+
+    /// Rows of a branch: the table, or those of its strength and energy for the reference length; empty without
+    /// either.
+    fn rows(&self, branch: Branch) -> Vec<TableRow> {
+        let table = match branch {
+            Branch::Tension => &self.tension,
+            Branch::Compression => &self.compression,
+        };
+        let length = self.reference_length.map_or(UNIT_LENGTH, Length::get);
+        match self.by_energy(branch) {
+            Some(of) if table.is_empty() => match branch {
+                Branch::Tension => of.tension(length),
+                Branch::Compression => of.compression(self.E.get(), length),
+            },
+            _ => table.iter().map(Row::row).collect(),
+        }
+    }
+
+    /// Of concrete damaged plasticity; linear elastic without tables and energies.
     pub(super) fn damage_plasticity(&self) -> MaterialParameters {
         let elastic = self.elastic_parameters();
-        if self.tension.is_empty() || self.compression.is_empty() {
+        let [tension, compression] = [Branch::Tension, Branch::Compression].map(|b| self.rows(b));
+        if tension.is_empty() || compression.is_empty() {
             return MaterialParameters::Elastic(elastic);
         }
-        let rows = |table: &[Row]| -> Vec<TableRow> {
-            let row = |r: &Row| TableRow {
-                stress: r.0.get(),
-                inelastic_strain: r.1.get(),
-                damage: r.2.get(),
-            };
-            table.iter().map(row).collect()
-        };
+        let length = self.reference_length.map(Length::get);
         MaterialParameters::DamagePlasticity(DamagePlasticityParameters {
             elastic,
-            tension: rows(&self.tension),
-            compression: rows(&self.compression),
+            tension,
+            compression,
             dilation_angle: self.dilation_angle.get().to_radians(),
             eccentricity: self.eccentricity.get(),
             fb0_fc0: self.fb0_fc0.get(),
@@ -184,9 +236,20 @@ impl Material {
             tension_recovery: self.tension_recovery.get(),
             compression_recovery: self.compression_recovery.get(),
             viscosity: self.viscosity.get(),
-            reference_length: self.reference_length.map(Length::get),
-            crack_band: self.crack_band.unwrap_or_default(),
+            reference_length: length.or(self.has_energies().then_some(UNIT_LENGTH)),
+            crack_band: self.band(),
             interpolation: self.interpolation,
         })
+    }
+}
+
+impl Row {
+    /// The row with bare numbers.
+    fn row(&self) -> TableRow {
+        TableRow {
+            stress: self.0.get(),
+            inelastic_strain: self.1.get(),
+            damage: self.2.get(),
+        }
     }
 }

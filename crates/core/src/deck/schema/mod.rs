@@ -51,6 +51,7 @@ pub use wall::{
     Subdivision, Wall,
 };
 
+use super::catalogue::{self, Assumption};
 use super::overrides;
 use super::quantity::Length;
 use super::source::Source;
@@ -134,6 +135,17 @@ pub struct Deck {
     pub output: DeckOutput,
     #[serde(skip)]
     source: Source,
+    /// What named materials and joints take from the catalogue.
+    #[serde(skip)]
+    pub(super) assumed: Vec<Assumption>,
+}
+
+/// Schema of a table that has a `name` of the catalogue, or all its required keys.
+fn named_or_whole(schema: &mut schemars::Schema) {
+    if let Some(required) = schema.remove("required") {
+        let choices = serde_json::json!([{ "required": ["name"] }, { "required": required }]);
+        schema.insert("anyOf".to_owned(), choices);
+    }
 }
 
 /// `[element]`.
@@ -245,11 +257,13 @@ impl Deck {
         }
         bounds::judge_keys(&source, root.get_ref())?;
         source.locate(root.get_ref());
+        let filled = catalogue::fill(&source, root.get_mut());
         let form = form::read(&mut source, root, no_toml.is_empty());
-        let misread = form.errors.into_iter();
+        let misread = form.errors.into_iter().chain(filled.errors);
         errors.extend(misread.filter(|error| !no_toml.contains(&error.line())));
         if let Some(mut deck) = form.deck {
             deck.source = source;
+            deck.assumed = filled.assumed;
             deck.title = printable(deck.title);
             if deck.title.is_empty() {
                 deck.title = Path::new(file)
@@ -257,6 +271,9 @@ impl Deck {
                     .unwrap_or_default()
                     .to_string_lossy()
                     .into();
+            }
+            for material in deck.materials.values_mut() {
+                material.crack_band = Some(material.band());
             }
             if no_toml.is_empty() {
                 errors.extend(validate::validate(&deck, &form.broken));
@@ -345,6 +362,11 @@ impl Deck {
                  or by --set",
             )),
         }
+    }
+
+    /// What named materials and joints take from the catalogue.
+    pub fn assumed(&self) -> &[Assumption] {
+        &self.assumed
     }
 
     /// An error about the key `path` of this deck.

@@ -38,7 +38,7 @@ pub struct RegisteredSolid {
 }
 
 /// Keys that every law reads.
-pub const COMMON: [&str; 4] = ["kind", "E", "nu", "density"];
+pub const COMMON: [&str; 6] = ["kind", "name", "f_b", "E", "nu", "density"];
 
 /// All laws of the solids.
 pub const SOLIDS: [RegisteredSolid; 2] = [
@@ -48,6 +48,10 @@ pub const SOLIDS: [RegisteredSolid; 2] = [
         keys: &[
             "tension",
             "compression",
+            "f_t",
+            "G_ft",
+            "f_c",
+            "G_fc",
             "dilation_angle",
             "eccentricity",
             "fb0_fc0",

@@ -81,6 +81,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         steps: steps.collect::<Option<_>>()?,
         output: model.output.clone(),
         warnings: Vec::new(),
+        assumed: Vec::new(),
         fidelity: model.fidelity,
     };
     Some(Half {

@@ -1,18 +1,58 @@
 //! Ranges of `[materials]`.
 
-use super::Checks;
+use super::{Checks, Given as _};
+use crate::deck::catalogue::Sort;
 use crate::deck::keys;
+use crate::deck::quantity::Number;
 use crate::deck::schema::registry::SOLIDS;
 use crate::deck::schema::{Material, Row, SolidKind};
-use crate::material::{CrackBand, MaterialParameters};
+use crate::material::{Branch, CrackBand, MaterialParameters};
 
 /// Part of the tensile strength of the sharp cone up to which the surface is smooth enough for a return map.
 const LARGEST_PART: f64 = 0.95;
+
+/// The two forms of a curve of damage plasticity: a table, or a strength with a fracture energy.
+struct Form {
+    table: &'static str,
+    strength: &'static str,
+    energy: &'static str,
+    has_table: fn(&Material) -> bool,
+    /// Strength [MPa] and energy [N/mm].
+    given: fn(&Material) -> [Option<f64>; 2],
+}
+
+impl Form {
+    /// Whether one of strength and energy is given without the other.
+    fn is_half(&self, m: &Material) -> bool {
+        let [strength, energy] = (self.given)(m);
+        strength.is_some() != energy.is_some()
+    }
+}
+
+/// Tension and compression.
+const EITHER: [Form; 2] = [
+    Form {
+        table: "tension",
+        strength: "f_t",
+        energy: "G_ft",
+        has_table: |m| !m.tension.is_empty(),
+        given: |m| [m.f_t.given(), m.G_ft.given()],
+    },
+    Form {
+        table: "compression",
+        strength: "f_c",
+        energy: "G_fc",
+        has_table: |m| !m.compression.is_empty(),
+        given: |m| [m.f_c.given(), m.G_fc.given()],
+    },
+];
 
 impl Checks<'_> {
     pub(super) fn material(&mut self, path: &str, m: &Material) {
         let key = |name: &str| format!("{path}.{name}");
         self.positive(&key("E"), m.E);
+        self.positive(&key("f_b"), m.f_b);
+        self.strength_by_test(path, m);
         let nu = m.nu.get();
         self.demand(
             nu > -1.0 && nu < 0.5,
@@ -36,12 +76,35 @@ impl Checks<'_> {
         self.not_negative(&key("viscosity"), m.viscosity);
         self.positive(&key("reference_length"), m.reference_length);
         self.demand(
-            m.crack_band != Some(CrackBand::Projected) || m.reference_length.is_some(),
+            m.crack_band != Some(CrackBand::Projected)
+                || m.reference_length.is_some()
+                || m.has_energies(),
             &key("crack_band"),
             || "a band has nothing to be set against: reference_length is missing".to_owned(),
             "give reference_length, the width of the band for which the tables hold",
         );
+        if m.kind == SolidKind::DamagePlasticity {
+            self.energies(path, m);
+        }
         self.tables(path, m);
+    }
+
+    /// Requires that `f_b` stands beside the name of a unit, from which other values follow.
+    fn strength_by_test(&mut self, path: &str, m: &Material) {
+        let named = m.name.as_deref().map(Sort::of);
+        let (message, help) = match named {
+            _ if m.f_b.is_none() => return,
+            Some(Some(Sort::Unit) | None) => return,
+            None => (
+                "`f_b` is read beside `name` only, whose values follow from it",
+                "give `name` (docs/reference/materials.md), or the strength as f_c with G_fc",
+            ),
+            Some(Some(Sort::Mortar)) => (
+                "`f_b` is the strength of a unit, and this is a mortar",
+                "give the strength of the mortar as f_c",
+            ),
+        };
+        self.require(false, &format!("{path}.f_b"), || message.to_owned(), help);
     }
 
     /// Ranges of the yield surface and the flow potential of damage plasticity.
@@ -73,28 +136,105 @@ impl Checks<'_> {
         );
     }
 
-    /// Checks the tables of damage plasticity: both are given, or neither.
+    /// Checks the curves of damage plasticity: both are given, in any form, or neither.
     fn tables(&mut self, path: &str, m: &Material) {
         let key = |name: &str| format!("{path}.{name}");
-        let (t, c) = (m.tension.is_empty(), m.compression.is_empty());
-        if t != c {
-            let (given, missing) = if c {
-                ("tension", "compression")
+        let damage = m.kind == SolidKind::DamagePlasticity;
+        let by_energy = |branch| damage && m.by_energy(branch).is_some();
+        let t = m.tension.is_empty() && !by_energy(Branch::Tension);
+        let c = m.compression.is_empty() && !by_energy(Branch::Compression);
+        let half = damage && EITHER.iter().any(|form| form.is_half(m));
+        if t != c && !half {
+            let (given, missing) = if c { (0, 1) } else { (1, 0) };
+            let (own, other) = (&EITHER[given], &EITHER[missing]);
+            let (at, what) = if (own.has_table)(m) {
+                (own.table, format!("the table `{}` is given", own.table))
             } else {
-                ("compression", "tension")
+                (
+                    own.energy,
+                    format!("`{}` and `{}` are given", own.strength, own.energy),
+                )
             };
             self.require(
                 false,
-                &key(given),
-                || format!("the table `{given}` is given, the table `{missing}` is missing"),
+                &key(at),
+                || format!("{what}, the table `{}` is missing", other.table),
                 &format!(
-                    "{}; or leave out both for linear elasticity",
-                    keys::example(missing)
+                    "{}; or give `{}` and `{}`; or leave out both for linear elasticity",
+                    keys::example(other.table),
+                    other.strength,
+                    other.energy
                 ),
             );
         }
         self.table(&key("tension"), &m.tension);
         self.table(&key("compression"), &m.compression);
+    }
+
+    /// Checks strengths and fracture energies of damage plasticity: each has its partner and no table beside it.
+    fn energies(&mut self, path: &str, m: &Material) {
+        let key = |name: &str| format!("{path}.{name}");
+        for form in &EITHER {
+            let [strength, energy] = (form.given)(m);
+            self.positive(&key(form.strength), strength.map(Number::new));
+            self.positive(&key(form.energy), energy.map(Number::new));
+            let (given, missing) = match [strength, energy] {
+                [None, None] => continue,
+                [Some(_), None] => (form.strength, form.energy),
+                _ => (form.energy, form.strength),
+            };
+            if (form.has_table)(m) {
+                self.require(
+                    false,
+                    &key(given),
+                    || format!("`{given}` is given beside the table `{}`", form.table),
+                    &format!(
+                        "leave out the table, or leave out `{}` and `{}`: they say the same",
+                        form.strength, form.energy
+                    ),
+                );
+            } else if form.is_half(m) {
+                self.require(
+                    false,
+                    &key(given),
+                    || format!("`{given}` is given, `{missing}` is missing"),
+                    &keys::example_at(&format!("materials.{missing}")),
+                );
+            }
+        }
+        let mixed = m.has_energies() && !(m.tension.is_empty() && m.compression.is_empty());
+        self.require(
+            !mixed || m.reference_length.is_some(),
+            &key("reference_length"),
+            || "a table beside a fracture energy has no length to hold for: reference_length is missing".to_owned(),
+            &keys::example("reference_length"),
+        );
+        self.first_yield(path, m);
+    }
+
+    /// Requires that the compressive strength by its energy is so far above the tensile strength that the yield
+    /// surface has β ≥ 0 at first yield, f_c/3 (theory/damage-plasticity.md, eq. 3).
+    fn first_yield(&mut self, path: &str, m: &Material) {
+        let peak = m.tension.iter().map(|row| row.0.get());
+        let by_energy = m.by_energy(Branch::Tension).map(|of| of.strength);
+        let f_t = by_energy.or_else(|| peak.reduce(f64::max));
+        let (Some(f_t), Some(of)) = (f_t, m.by_energy(Branch::Compression)) else {
+            return;
+        };
+        let alpha = (m.fb0_fc0.get() - 1.0) / (2.0 * m.fb0_fc0.get() - 1.0);
+        let least = 3.0 * f_t * (1.0 + alpha) / (1.0 - alpha);
+        self.require(
+            of.strength >= least || !(of.strength > 0.0 && f_t > 0.0 && (0.0..1.0).contains(&alpha)),
+            &format!("{path}.f_c"),
+            || {
+                format!(
+                    "{} MPa is below {least:.3} MPa, 3 (1 + α)/(1 − α) times the tensile strength: the material \
+                     yields from f_c/3 on, and the yield surface needs more there",
+                    of.strength
+                )
+            },
+            "give a larger f_c, a smaller tensile strength, or the table `compression`",
+        );
     }
 
     /// Ranges of hyperbolic Drucker–Prager plasticity.
