@@ -15,6 +15,7 @@ use wythe_core::results::{ReadError, ReadHistory, RunFolder, SummaryFile};
 use wythe_core::state::Status;
 
 use crate::arguments::Info;
+use crate::error_estimate;
 use crate::failure::Failure;
 use crate::say::print;
 use crate::terminal::{count, seconds};
@@ -88,6 +89,7 @@ fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
         steps(text, &history)?;
         curve(text, &history)?;
         if let Some(summary) = &summary {
+            errors(text, summary)?;
             cost(text, summary)?;
         }
         energies(text, &history, summary.as_ref())?;
@@ -190,6 +192,15 @@ fn curve(text: &mut String, history: &ReadHistory) -> Told {
         Some(k) => writeln!(text, "              initial stiffness {k:.2} kN/mm"),
         None => Ok(()),
     }
+}
+
+fn errors(text: &mut String, s: &SummaryFile) -> Told {
+    let mut head = "error";
+    for line in s.error_estimate.iter().flat_map(error_estimate::lines) {
+        writeln!(text, "  {head:10}  {line}")?;
+        head = "";
+    }
+    Ok(())
 }
 
 fn cost(text: &mut String, s: &SummaryFile) -> Told {

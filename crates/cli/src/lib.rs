@@ -6,6 +6,7 @@ mod arguments;
 mod check;
 mod compare;
 mod drive;
+mod error_estimate;
 mod export;
 mod failure;
 mod findings;

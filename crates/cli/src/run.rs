@@ -13,6 +13,7 @@ use wythe_core::solve::{self, Checkpoint, RunError};
 use wythe_core::state::{Frame, HistoryRow, Status, Summary};
 
 use crate::arguments::Run;
+use crate::error_estimate;
 use crate::failure::Failure;
 use crate::findings::{self, Sound};
 use crate::interrupt::Interrupt;
@@ -38,9 +39,22 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupt = Interrupt::listen();
     let directory = RunDirectory::of_deck(&out, &model, &deck)?;
     let sinks = (directory, terminal);
-    record(&model, &warnings, sinks, &interrupt, |recorder| {
-        solve::run(&model, recorder)
-    })
+    let solve = |recorder: &mut dyn Recorder| solve::run(&model, recorder);
+    let (summary, terminal) = recorded(&model, &warnings, sinks, &interrupt, solve)?;
+    if !arguments.error {
+        return conclude(&summary, warnings.len(), &terminal, &out);
+    }
+    match error_estimate::add(arguments, (&deck, &model), &out, (&terminal, &interrupt)) {
+        Ok(estimated) => {
+            conclude(&estimated, warnings.len(), &terminal, &out)?;
+            if interrupt.requested() {
+                return Err(Failure::Interrupted);
+            }
+            Ok(())
+        }
+        // The run itself has its results.
+        Err(failure) => conclude(&summary, warnings.len(), &terminal, &out).and(Err(failure)),
+    }
 }
 
 /// Sets the number of threads; all cores if none is given.
@@ -83,6 +97,19 @@ pub fn record(
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
 ) -> Result<(), Failure> {
     let out = directory.path().to_owned();
+    let sinks = (directory, terminal);
+    let (summary, terminal) = recorded(model, warnings, sinks, interrupt, solve)?;
+    conclude(&summary, warnings.len(), &terminal, &out)
+}
+
+/// Runs `solve` and writes the folder of the run. Returns its summary, and the terminal, whose bar is cleared.
+pub fn recorded(
+    model: &Model,
+    warnings: &[String],
+    (directory, terminal): (RunDirectory, Terminal),
+    interrupt: &Interrupt,
+    solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
+) -> Result<(SummaryFile, Terminal), RunError> {
     let mut watched = Watched {
         directory,
         terminal,
@@ -90,12 +117,21 @@ pub fn record(
     };
     let ended = solve(&mut watched);
     watched.terminal.finish();
-    let summary = watched.directory.finish(model, &ended?, warnings)?;
-    // Warnings of the model were printed at the start.
-    let new_warnings = &summary.warnings[warnings.len().min(summary.warnings.len())..];
-    let printed = print(&watched.terminal.conclude(
-        || conclusion(&summary, new_warnings, &out),
-        || end(&summary, new_warnings, &out),
+    let summary = watched.directory.finish(model, &ended?, warnings);
+    Ok((summary.map_err(io::Error::from)?, watched.terminal))
+}
+
+/// Prints how a run ended. The first `told` of its warnings were printed at the start.
+fn conclude(
+    summary: &SummaryFile,
+    told: usize,
+    terminal: &Terminal,
+    out: &Path,
+) -> Result<(), Failure> {
+    let new_warnings = &summary.warnings[told.min(summary.warnings.len())..];
+    let printed = print(&terminal.conclude(
+        || conclusion(summary, new_warnings, out),
+        || end(summary, new_warnings, out),
     ));
     // The end of the run matters more than a failure of standard output.
     match summary.status {
@@ -140,7 +176,7 @@ impl Recorder for Watched<'_> {
 
 /// Last JSON object of a run.
 fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
-    json!({
+    let mut end = json!({
         "event": "end",
         "status": summary.status,
         "verdict": summary.verdict,
@@ -155,7 +191,11 @@ fn end(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Value {
         "energy_balance_error": summary.energy_balance_error,
         "warnings": new_warnings,
         "out": out.display().to_string(),
-    })
+    });
+    if let Some(estimate) = &summary.error_estimate {
+        end["error_estimate"] = json!(estimate);
+    }
+    end
 }
 
 /// Final text of a run, below the progress.
@@ -183,6 +223,9 @@ fn conclusion(summary: &SummaryFile, new_warnings: &[String], out: &Path) -> Str
         lines.push(format!("to go on: wythe resume {}", argument(out)));
     }
     lines.push(summary.verdict.clone());
+    if let Some(estimate) = &summary.error_estimate {
+        lines.extend(error_estimate::lines(estimate));
+    }
     lines.join("\n") + "\n"
 }
 

@@ -56,6 +56,15 @@ pub fn history(py: Python<'_>, folder: PathBuf) -> PyResult<(Columns<'_>, Vec<St
     Ok((columns, read.probes))
 }
 
+/// Lines of the estimated error of a run; none if it has no estimate.
+#[pyfunction]
+pub fn error_lines(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<String>> {
+    let read = py.detach(|| RunFolder::open(&folder)?.summary());
+    let summary = read.map_err(|error| errors::of_reading(py, &error))?;
+    let estimate = summary.and_then(|summary| summary.error_estimate);
+    Ok(estimate.map_or_else(Vec::new, |estimate| estimate.lines()))
+}
+
 fn column<'py, T: Element>(
     py: Python<'py>,
     rows: &[HistoryRow],

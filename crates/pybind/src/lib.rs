@@ -28,8 +28,8 @@ mod _wythe {
     use crate::fields::Fields;
     #[pymodule_export]
     use crate::folder::{
-        collection, compare, experiment, export_frame, figures, history, picture, png, report,
-        salvage, summary, time_of_peak,
+        collection, compare, error_lines, experiment, export_frame, figures, history, picture, png,
+        report, salvage, summary, time_of_peak,
     };
     #[pymodule_export]
     use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};
@@ -38,7 +38,7 @@ mod _wythe {
     #[pymodule_export]
     use crate::point::{drive_interface, drive_material};
     #[pymodule_export]
-    use crate::run::{resume, run};
+    use crate::run::{estimate_error, resume, run};
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "a name of Python")]

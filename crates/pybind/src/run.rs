@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 use wythe_core::model::Model;
-use wythe_core::results::{Resumed, RunDirectory, StoppedRun};
+use wythe_core::results::estimate::{self, Prepared};
+use wythe_core::results::{Resumed, RunDirectory, StoppedRun, SummaryFile};
 use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
 use wythe_core::state::{Frame, HistoryRow, Summary};
@@ -195,12 +196,7 @@ fn record<'py>(
     listener: &Listener<'py>,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
 ) -> PyResult<()> {
-    // A pool per run: the global pool would not survive a fork and has a fixed number of threads.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(listener.threads.map_or(0, NonZeroUsize::get))
-        .thread_name(|i| format!("wythe-{i}"))
-        .build()
-        .map_err(|error| errors::bug(&format!("no threads: {error}")))?;
+    let pool = pool(listener.threads)?;
     let stop = AtomicBool::new(false);
     let (events, told) = channel();
     let (answer, answers) = channel();
@@ -226,6 +222,81 @@ fn record<'py>(
     py.detach(|| directory.finish(model, &summary, &output.warnings))
         .map_err(|error| errors::of_output(py, &error))?;
     raised.map_or(Ok(()), Err)
+}
+
+/// A pool per run: the global pool would not survive a fork and has a fixed number of threads.
+fn pool(threads: Option<NonZeroUsize>) -> PyResult<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, NonZeroUsize::get))
+        .thread_name(|i| format!("wythe-{i}"))
+        .build()
+        .map_err(|error| errors::bug(&format!("no threads: {error}")))
+}
+
+/// Runs the companions of the run of this deck in `folder` and adds the estimate of its error to the summary. Ctrl-C
+/// is raised after the summary is written.
+#[pyfunction]
+#[pyo3(signature = (deck, folder, threads, on_note))]
+pub fn estimate_error<'py>(
+    py: Python<'py>,
+    deck: &Deck,
+    folder: PathBuf,
+    threads: Option<NonZeroUsize>,
+    on_note: Option<Bound<'py, PyAny>>,
+) -> PyResult<()> {
+    let built = deck.sound(py)?;
+    let Ok((model, _)) = &*built else {
+        return Err(errors::bug("a sound model is not"));
+    };
+    let of_run = (deck.deck(), model);
+    let listener = Listener {
+        threads,
+        on_row: None,
+        on_note,
+    };
+    let pool = pool(threads)?;
+    let stop = AtomicBool::new(false);
+    let (events, told) = channel();
+    let (answer, _) = channel();
+    let (ended, raised) = std::thread::scope(|scope| {
+        let (stop, folder) = (&stop, &folder);
+        let solving = scope.spawn(move || {
+            let mut solve = |companion| companion_solved(companion, &events, stop);
+            pool.install(|| estimate::estimate_error(folder, of_run, &mut solve))
+        });
+        let raised = listen(py, &listener, told, &answer, stop);
+        let joined = py.detach(|| solving.join());
+        joined
+            .map(|ended| (ended, raised))
+            .map_err(|_| errors::bug("the solver panicked"))
+    })?;
+    ended.map_err(|error| errors::of_run(py, error))?;
+    raised.map_or(Ok(()), Err)
+}
+
+/// Runs a companion and writes its folder.
+fn companion_solved(
+    companion: Prepared,
+    events: &Sender<Event>,
+    stop: &AtomicBool,
+) -> Result<SummaryFile, RunError> {
+    let Prepared {
+        part,
+        model,
+        warnings,
+        directory,
+    } = companion;
+    // A closed receiver has no more use for it.
+    let _ = events.send(Event::Note(format!("error by {}", part.name())));
+    let mut sink = Told {
+        directory,
+        events: events.clone(),
+        answers: None,
+        stop,
+    };
+    let ended = solve::run(&model, &mut sink)?;
+    let finished = sink.directory.finish(&model, &ended, &warnings);
+    finished.map_err(|error| RunError::Output(error.into()))
 }
 
 /// Serves callbacks and checks signals until the solver closes the channel; returns the first exception.

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::beside::FieldsBeside;
 use super::checkpoint::CheckpointFile;
+use super::estimate::remove_companions;
 use super::lock::{lock, writing};
 use super::output::{
     CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
@@ -144,6 +145,7 @@ impl RunDirectory {
         ];
         let names: Vec<&str> = names.into_iter().chain(unwanted).collect();
         remove(path, &names)?;
+        remove_companions(path)?;
         let files = Files {
             history: writing(path, HISTORY, |file| HistoryWriter::create(file, model))?,
             fields: writing(path, FIELDS, |file| VtkHdfWriter::create(file, model))?,

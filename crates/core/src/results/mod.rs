@@ -10,7 +10,8 @@
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         written last: marks a complete folder
 //! RunFolder reads them: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
-//! CSV, INP). StoppedRun resumes from them.
+//! CSV, INP). StoppedRun resumes from them. `estimate` runs companions below the folder and adds the error of the
+//! figures to summary.json.
 //! ```
 
 #[cfg(feature = "run-folder")]
@@ -24,6 +25,7 @@ pub mod curve;
 pub mod directory;
 #[cfg(feature = "run-folder")]
 pub mod elevation;
+pub mod estimate;
 pub mod export;
 pub mod history;
 #[cfg(any(feature = "mcap", feature = "run-folder"))]

@@ -8,6 +8,7 @@ use miette::Diagnostic;
 
 use super::checkpoint::{CheckpointFile, CheckpointFileError};
 use super::directory::{Files, begin_messages, remove};
+use super::estimate::remove_companions;
 use super::history::written;
 use super::lock::{lock, writing};
 use super::mcap::Mark;
@@ -199,6 +200,7 @@ impl StoppedRun {
         let messages = self.messages(model);
         // All files are checked. The summary, which marks a complete folder, is removed before anything else changes.
         remove(&path, &[SUMMARY, LOAD_DISPLACEMENT, CRACK_PATTERN, REPORT])?;
+        remove_companions(&path)?;
         let lines = match lines {
             Ok(lines) => lines,
             Err(why) => {

@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::files::write_whole;
 use crate::model::mirrored::part;
 
+use super::estimate::ErrorEstimate;
 use super::{Curve, Verdict, VerdictKind};
 use crate::state::{EnergyBalance, Fall, Status, Summary};
 
@@ -100,6 +101,9 @@ pub struct SummaryFile {
     /// Ranges of probes and loads by their history columns; absent without any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
+    /// Estimate of the error by discretisation, if the run has companions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_estimate: Option<ErrorEstimate>,
 }
 
 /// Range of a probe over the run, in its unit.
@@ -225,6 +229,7 @@ impl SummaryFile {
             displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
             fall: run.fall.clone(),
             probes: measured.probes.clone(),
+            error_estimate: None,
         }
     }
 

@@ -141,9 +141,14 @@ def run_deck(
     progress: bool,
     callback: Callback | None,
     laws: Mapping[str, JointLaw | SolidLaw] | None = None,
+    error: bool = False,
 ) -> Results:
     """Implements :meth:`wythe.Model.run`."""
     of_python = split(laws)
+    if not isinstance(error, bool):
+        raise expected("error", "True or False", error)
+    if error and laws:
+        raise ValueError("error: not with laws of your own, which the companions of the run do not have")
     count = _threads(threads)
     follower = _follower(deck, progress)
     watched = callback is not None or follower is not None
@@ -155,12 +160,13 @@ def run_deck(
         folder = temporary.run
     else:
         folder = as_path("out", out)
-    return _ended(
-        folder,
-        temporary,
-        follower,
-        lambda: _wythe.run(deck, folder, count, on_row, on_note, of_python),
-    )
+
+    def solve() -> None:
+        _wythe.run(deck, folder, count, on_row, on_note, of_python)
+        if error:
+            _wythe.estimate_error(deck, folder, count, on_note)
+
+    return _ended(folder, temporary, follower, solve)
 
 
 def resume_run(
@@ -206,8 +212,11 @@ def _ended(
         results = Results._of(folder, temporary)
         if follower is not None:
             follower.finish("interrupted")
-        hint = "error.results.resume() goes on"
-        raise RunInterrupted(f"interrupted after a whole increment; {hint}", results) from interrupt
+        if results.status in ("completed", "collapsed"):
+            said = "interrupted in a companion: the run is complete, the estimate of its error is not"
+        else:
+            said = "interrupted after a whole increment; error.results.resume() goes on"
+        raise RunInterrupted(said, results) from interrupt
     results = Results._of(folder, temporary)
     if follower is not None:
         follower.finish(results._in_a_line())

@@ -23,6 +23,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::estimate::ErrorEstimate;
 use super::{Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
 use crate::state::{HistoryRow, Status};
@@ -276,7 +277,13 @@ impl Text<'_> {
         let figures = figures::tiles(self.history, self.summary, self.experiment);
         // In a collapse the message equals the verdict.
         let message = if message == verdict { "" } else { message };
-        let message = paragraph("verdict", verdict) + &paragraph("message", message);
+        let estimate = self.summary.and_then(|s| s.error_estimate.as_ref());
+        let errors: String = estimate
+            .map_or_else(Vec::new, ErrorEstimate::lines)
+            .iter()
+            .map(|line| paragraph("error", line))
+            .collect();
+        let message = paragraph("verdict", verdict) + &errors + &paragraph("message", message);
         let (notes, warnings) = (list("notes", notes), list("warnings", warnings));
         let log = log_list(log);
         fill(
