@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use wythe::deck::catalogue::tables;
+use wythe::deck::quantity::Length;
 use wythe::deck::{Deck, check};
 use wythe::error::{ErrorKind, ModelError};
 use wythe::material::{Branch, MaterialParameters};
@@ -73,7 +74,7 @@ fn keys_of_the_deck_come_first() {
     assert_eq!(own.materials["mortar"].E.get(), 1200.0);
     let joint = &own.interfaces["joint"];
     assert!((joint.f_t.get() - 0.2).abs() < 1e-4, "{}", joint.f_t.get());
-    assert_eq!(joint.u_k.map(|u| u.get()), Some(0.3));
+    assert_eq!(joint.u_k.map(Length::get), Some(0.3));
     assert!(joint.G_I.is_none() && joint.G_II.is_some());
     let taken: Vec<&str> = own.assumed()[0].taken.iter().map(|t| t.key).collect();
     assert_eq!(taken, ["f_c", "nu", "density", "G_ft", "G_fc"]);
