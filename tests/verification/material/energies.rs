@@ -91,7 +91,7 @@ fn energy_of(material: &str, length: f64, of: ByEnergy, last: f64, sign: f64) ->
     [work + elastic, peak]
 }
 
-/// Least part of the strength at which a run ends: the rows end there, and beyond them the stress is constant.
+/// Work per area of bars of one element, 5, 20 and 80 mm long, up to the last row, which is where the curves end.
 #[test]
 fn bars_of_several_lengths_give_the_energies_back() {
     for length in [5.0, 20.0, 80.0] {
@@ -101,7 +101,7 @@ fn bars_of_several_lengths_give_the_energies_back() {
         println!("tension, {length} mm: {energy:.5} N/mm, {peak:.4} MPa");
         // Tolerances: steps between curves of 1/400, increments of 1/500 of the way that cut off the peak and the
         // corners of the rows.
-        assert!((energy / TENSILE.energy - 1.0).abs() < 0.01, "{energy}");
+        assert!((energy / TENSILE.energy - 1.0).abs() < 0.005, "{energy}");
         assert!((peak / TENSILE.strength - 1.0).abs() < 0.01, "{peak}");
 
         // Closing of the last row: 1.5 G_fc/f_c √0.95, stretched by 1 %, and the strain at the peak.
@@ -110,7 +110,7 @@ fn bars_of_several_lengths_give_the_energies_back() {
         println!("compression, {length} mm: {energy:.4} N/mm, {peak:.4} MPa");
         // The same, and the curve as it deforms: areas and lengths are those of the bar at rest, and a short bar is
         // shortened by a third.
-        assert!((energy / CRUSHED.energy - 1.0).abs() < 0.02, "{energy}");
+        assert!((energy / CRUSHED.energy - 1.0).abs() < 0.01, "{energy}");
         assert!((peak / CRUSHED.strength - 1.0).abs() < 0.01, "{peak}");
     }
 }
@@ -157,8 +157,8 @@ fn the_checker_prints_energies() {
     };
     let told = notes(BRICK);
     for part in [
-        "f_t = 2 MPa, G_ft = 0.0600 N/mm beyond the peak; no snap-back below 102.3 mm, 1.14 E G_ft/f_t^2",
-        "f_c = 20 MPa, G_fc = 22.0000 N/mm beyond the peak, 0.0387 N/mm^2 up to it; no snap-back below 267.7 mm, 0.81 \
+        "f_t = 2 MPa, G_ft = 0.0600 N/mm beyond the peak; no snap-back below 102.2 mm, 1.14 E G_ft/f_t^2",
+        "f_c = 20 MPa, G_fc = 22.0000 N/mm beyond the peak, 0.0389 N/mm^2 up to it; no snap-back below 267.3 mm, 0.81 \
          E G_fc/f_c^2",
     ] {
         assert!(told.contains(part), "{part} is not in {told}");
@@ -255,10 +255,10 @@ fn misuse_is_an_error_with_key_line_and_fix() {
             "refine the mesh",
         ),
         (
-            with("kind = \"drucker-prager\"\nc = 1\nphi = 30"),
-            "f_c",
-            7,
-            "`f_c` is not read by kind = \"drucker-prager\"",
+            with("kind = \"drucker-prager\"\nc = 5\nphi = 30"),
+            "G_ft",
+            6,
+            "`G_ft` is not read by kind = \"drucker-prager\"",
             "\"damage-plasticity\"",
         ),
     ];

@@ -173,13 +173,10 @@ fn material(named: &mut Named<'_, '_>) -> bool {
         .iter()
         .find(|m| plain(m.name) == plain(named.name));
     let material = found.unwrap_or(&MATERIALS[0]);
-    let (strengths, elastic) = (
-        named.has("compression"),
-        named
-            .text("kind")
-            .is_some_and(|kind| kind != "damage-plasticity"),
-    );
-    let table_of_tension = named.has("tension");
+    let [tension, compression] = ["tension", "compression"].map(|table| named.has(table));
+    let other_law = named
+        .text("kind")
+        .is_some_and(|kind| kind != "damage-plasticity");
     let mut of = Strengths::default();
     let own = material.strength.rule.value(of);
     // A unit's strength by test comes before its uniaxial strength: everything else follows from it.
@@ -195,13 +192,12 @@ fn material(named: &mut Named<'_, '_>) -> bool {
             material.strength.source
         },
     };
-    let facts = material.facts();
-    for (key, fact) in facts {
-        let of_tension = matches!(key, "f_t" | "G_ft");
-        let of_compression = matches!(key, "f_c" | "G_fc");
-        let unread = (elastic && (of_tension || of_compression))
-            || (table_of_tension && of_tension)
-            || (strengths && of_compression);
+    for (key, fact) in material.facts() {
+        let unread = match key {
+            "f_t" | "G_ft" => other_law || tension,
+            "f_c" | "G_fc" => other_law || compression,
+            _ => false,
+        };
         if unread {
             continue;
         }

@@ -1,7 +1,7 @@
 //! Bonds between mortars and units by name.
 
 use super::materials::{MATERIALS, Sort};
-use super::{Fact, Rule};
+use super::{Fact, Rule, Strengths};
 use crate::deck::schema::JointKind;
 
 /// Parameters of a joint by name.
@@ -70,7 +70,12 @@ pub fn joints() -> Vec<JointSet> {
         f if f >= 2.5 => 1,
         _ => 2,
     };
-    let mortars = mortars.map(|m| (m.name, of_class(m.strength.rule.value(Default::default()))));
+    let mortars = mortars.map(|m| {
+        (
+            m.name,
+            of_class(m.strength.rule.value(Strengths::default())),
+        )
+    });
     let mortars: Vec<(&str, usize)> = mortars.chain([(THIN, 3)]).collect();
     let pair = |(units, shear): &(&str, [f64; 4])| -> Vec<JointSet> {
         let set = |(mortar, class): &(&str, usize)| JointSet {

@@ -16,8 +16,10 @@ fn values() -> String {
             .to_owned();
     text += "|---|---|---|---|---|---|---|---|---|\n";
     for material in MATERIALS {
-        let mut of = Strengths::default();
-        of.compression = material.strength.rule.value(of);
+        let mut of = Strengths {
+            compression: material.strength.rule.value(Strengths::default()),
+            ..Strengths::default()
+        };
         of.tension = material.f_t.rule.value(of);
         let of_fact = |fact: Fact| rounded(fact.rule.value(of));
         let cells = [
@@ -67,8 +69,10 @@ fn sources() -> String {
 fn bonds() -> String {
     let mut text = "| `name` | c | f_t | G_I | G_II |\n|---|---|---|---|---|\n".to_owned();
     for joint in joints() {
-        let mut of = Strengths::default();
-        of.cohesion = joint.c.rule.value(of);
+        let of = Strengths {
+            cohesion: joint.c.rule.value(Strengths::default()),
+            ..Strengths::default()
+        };
         let facts = joint.facts();
         let value = |key: &str| {
             let fact = facts.iter().find(|(own, _)| *own == key);

@@ -264,17 +264,7 @@ impl Deck {
         if let Some(mut deck) = form.deck {
             deck.source = source;
             deck.assumed = filled.assumed;
-            deck.title = printable(deck.title);
-            if deck.title.is_empty() {
-                deck.title = Path::new(file)
-                    .file_stem()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into();
-            }
-            for material in deck.materials.values_mut() {
-                material.crack_band = Some(material.band());
-            }
+            deck.write_defaults(file);
             if no_toml.is_empty() {
                 errors.extend(validate::validate(&deck, &form.broken));
             }
@@ -289,6 +279,21 @@ impl Deck {
             all.push(error);
         }
         Err(all.end(()).err().unwrap_or_else(nothing))
+    }
+
+    /// Writes the defaults that depend on other values: the title, after the file, and the crack bands.
+    fn write_defaults(&mut self, file: &str) {
+        self.title = printable(std::mem::take(&mut self.title));
+        if self.title.is_empty() {
+            self.title = Path::new(file)
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into();
+        }
+        for material in self.materials.values_mut() {
+            material.crack_band = Some(material.band());
+        }
     }
 
     /// Reads the deck in the file `path`, then sets the keys of `overrides`.
