@@ -195,6 +195,12 @@ impl Material {
         self.G_ft.is_some() || self.G_fc.is_some()
     }
 
+    /// Returns whether its softening is scaled to the elements.
+    pub(super) fn has_bands(&self) -> bool {
+        let has_tables = !self.tension.is_empty() && self.reference_length.is_some();
+        self.kind == SolidKind::default() && (has_tables || self.has_energies())
+    }
+
     /// Length of an element that is compared with the reference length.
     pub fn band(&self) -> CrackBand {
         self.crack_band.unwrap_or_default()

@@ -292,7 +292,9 @@ impl Deck {
                 .into();
         }
         for material in self.materials.values_mut() {
-            material.crack_band = Some(material.band());
+            if material.has_bands() {
+                material.crack_band = Some(material.band());
+            }
         }
     }
 
