@@ -194,11 +194,11 @@ fn all_errors_of_physics_are_reported() {
         &[
             (
                 "reference_length = \"31.4 mm\"",
-                "reference_length = \"1 mm\"",
+                "reference_length = \"1 mm\"\ncrack_band = \"volume\"",
             ),
             (
                 "reference_length = \"50 mm\"",
-                "reference_length = \"1 mm\"",
+                "reference_length = \"1 mm\"\ncrack_band = \"volume\"",
             ),
             (
                 "kind = \"preload\"\ntop_pressure = \"2.12 MPa\"",

@@ -50,7 +50,7 @@ const CASES: &[(&str, &str, &str, &str, &str)] = &[
         "materials.brick.poisson",
         "poisson = 0.15",
         "`poisson` is not a known key",
-        "known here: kind, E, nu",
+        "known here: kind, name, f_b, E, nu",
     ),
     (
         "misspelt_key",

@@ -389,6 +389,8 @@ fn a_wall_with_procedure_fallback() {
         &[
             ("steps.1.viscosity", "0"),
             ("steps.1.displacement", "0.8 mm"),
+            ("materials.brick.crack_band", "volume"),
+            ("materials.mortar.crack_band", "volume"),
         ],
     );
     let rows = goes_on_as_if_nothing_had_happened(&model, "ladder", 6);

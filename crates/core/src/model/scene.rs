@@ -12,6 +12,7 @@ use crate::material::LawOutput;
 
 /// All data that a run reads and does not change.
 #[derive(Clone, Debug)]
+// More than 15 fields: all parts of a scene.
 pub struct Model {
     /// Title of the deck.
     pub title: String,

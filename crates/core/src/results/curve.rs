@@ -401,14 +401,19 @@ mod tests {
         assert_eq!(still_rising.peak().unwrap().force, 50.0);
     }
 
-    /// Rises to 10 kN and snaps: inertia raises the force to 15 kN; then 12 kN in equilibrium.
+    /// Rises to 10 kN and snaps: inertia raises the force to 15 kN; after five quiet increments 12 kN in equilibrium.
     fn snaps(seeks_equilibrium: bool) -> Curve {
         let rows = [
             (1.0, 10.0, Method::Static, 0.0),
             (1.01, 15.0, Method::QuasiStatic, 0.5),
             // No more oscillation: steady motion.
-            (2.0, 11.0, Method::QuasiStatic, 1e-4),
-            (3.0, 12.0, Method::QuasiStatic, 1e-4),
+            (2.0, 13.0, Method::QuasiStatic, 1e-4),
+            (2.2, 13.0, Method::QuasiStatic, 1e-4),
+            (2.4, 11.0, Method::QuasiStatic, 1e-4),
+            (2.6, 11.0, Method::QuasiStatic, 1e-4),
+            (2.8, 11.0, Method::QuasiStatic, 1e-4),
+            (3.0, 11.0, Method::QuasiStatic, 1e-4),
+            (3.2, 12.0, Method::QuasiStatic, 1e-4),
             (4.0, 9.0, Method::Static, 0.0),
         ];
         let mut curve = Curve::default();

@@ -162,7 +162,7 @@ mod tests {
             for (key, fact) in material.facts() {
                 let name = material.name;
                 assert!(fact.rule.value(of) > 0.0, "{name}: {key}");
-                assert!(fact.source.len() > 8, "{name}: {key}");
+                assert!(!fact.source.is_empty(), "{name}: {key}");
             }
         }
         for joint in &joints {
