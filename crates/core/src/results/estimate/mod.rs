@@ -143,10 +143,16 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// Estimate of the part for one of the differences: rᵖ/(rᵖ − 1) times it, for an error of the order p.
+    /// Estimate of the part for force and area: rᵖ/(rᵖ − 1) times their difference, for an error of the order p.
     fn error(&self, figure: usize) -> f64 {
         let r = self.refinement.powi(self.part.order());
         r / (r - 1.0) * self.differences[figure]
+    }
+
+    /// Estimate of the part for the displacement at the peak: the difference itself. A peak jumps from one top of the
+    /// curve to another, by no power of the size.
+    fn error_of_displacement(&self) -> f64 {
+        self.differences[2]
     }
 }
 
@@ -205,7 +211,8 @@ impl ErrorEstimate {
             Estimated::new(value, parts)
         };
         let peak = with_scatter(figures.peak_force_kN, 0);
-        let mut of_displacement = parts(2);
+        let of_displacement = compared.iter().map(|c| (c.part, c.error_of_displacement()));
+        let mut of_displacement: BTreeMap<Part, f64> = of_displacement.collect();
         of_displacement.insert(Part::FlatPeak, width(run, peak.error));
         estimate.displacement_at_peak_mm = Some(Estimated::new(
             figures.displacement_at_peak_mm,

@@ -233,7 +233,7 @@ pub fn remove_companions(folder: &Path) -> Result<(), OutputError> {
             continue;
         }
         for name in OF_A_RUN {
-            writing(&path, name, |file| files::remove(file))?;
+            writing(&path, name, files::remove)?;
         }
         // A folder that has other files stays.
         let _ = std::fs::remove_dir(&path);

@@ -50,6 +50,11 @@ fn parts_add_as_independent_errors() {
     let moved = estimate.displacement_at_peak_mm.unwrap();
     assert_eq!((moved.value, moved.parts[&Part::FlatPeak]), (2.0, 2.0));
     assert_eq!(moved.mostly, Part::FlatPeak);
+    // No extrapolation: peaks jump.
+    assert_eq!(
+        (moved.parts[&Part::Time], moved.parts[&Part::Mesh]),
+        (0.05, 0.375)
+    );
     assert!(estimate.passes_peak);
 }
 
