@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 import wythe
 
@@ -49,6 +50,6 @@ def test_a_run_that_was_stopped_has_no_error(model: wythe.Model) -> None:
 def test_wrong_arguments_are_refused(model: wythe.Model) -> None:
     with pytest.raises(TypeError, match="error: expected True or False"):
         model.run(error=1)  # type: ignore[arg-type]
-    law = wythe.JointLaw("free", lambda gap, plastic, state, stiffness: None)
+    law = wythe.JointLaw("free", lambda gap, plastic, state, stiffness: (np.zeros(3), np.zeros((3, 3))))
     with pytest.raises(ValueError, match="not with laws of your own"):
         model.run(error=True, laws={"joint": law})
