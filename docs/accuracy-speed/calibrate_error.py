@@ -116,11 +116,13 @@ def known(scene: Scene, said: dict) -> list[float]:
 
 
 def estimate(out: Path) -> dict | None:
-    """Estimate of the error of a run; none if it did not end."""
+    """Estimate of the error of a run; none if it, or a companion, was interrupted."""
     summary = out / "summary.json"
     if not summary.is_file():
         return None
-    return json.loads(summary.read_text(encoding="utf-8")).get("error_estimate")
+    estimated = json.loads(summary.read_text(encoding="utf-8")).get("error_estimate")
+    stopped = estimated is None or any("interrupted" in lacking["why"] for lacking in estimated["not_estimated"])
+    return None if stopped else estimated
 
 
 def run(wythe: str, deck: Path, sets: list[str], out: Path) -> None:
