@@ -8,10 +8,10 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use wythe_core::deck::templates;
+use wythe_core::deck::{specimens, templates};
 
-use results::{COMPARE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
-pub use results::{Compare, Export, Format, Frames, Info, Plot};
+use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
+pub use results::{Compare, Evaluate, Export, Format, Frames, Info, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 
 /// Computes the collapse of masonry walls by the detailed micro-model.
@@ -104,8 +104,12 @@ complete and check it (any with a TOML language server, such as taplo or Even Be
 --from writes a deck around a mesh of Abaqus or Gmsh that lies beside it: its materials as tables, its bodies, \
 sets and surfaces in comments, and in comments what is left to say.
 
+--test writes the decks of a standard test, one for each precompression or direction: specimen, platens, gauges, \
+loading. `wythe evaluate` gives what the test reports (docs/reference/standard-tests.md).
+
 Examples:
   wythe new --list
+  wythe new triplet --test en1052-3 --unit 250x120x55 --precompression '0.2, 0.6, 1.0 MPa'
   wythe new bridge --from bridge.inp --units 'N, m, s'
   wythe new wall --template shear-wall
   wythe new tests/arch --template arch --force";
@@ -204,6 +208,9 @@ pub enum Command {
     /// Compare a run with an experiment, in numbers.
     #[command(after_help = COMPARE_HELP)]
     Compare(Compare),
+    /// Evaluate the runs of a standard test: what the test reports.
+    #[command(after_help = EVALUATE_HELP)]
+    Evaluate(Evaluate),
     /// Describe a folder of results, a file of fields, or a model.
     #[command(after_help = INFO_HELP)]
     Info(Info),
@@ -289,12 +296,37 @@ pub struct New {
         requires = "from"
     )]
     pub units: String,
+    /// Standard test: its specimen, gauges and loading, see --list.
+    #[arg(long, value_name = "TEST", value_parser = PossibleValuesParser::new(specimens::NAMES), conflicts_with_all = ["template", "from"])]
+    pub test: Option<String>,
+    #[command(flatten)]
+    pub specimen: Specimen,
     /// Overwrite NAME.toml.
     #[arg(long)]
     pub force: bool,
-    /// List the templates.
-    #[arg(long, conflicts_with_all = ["name", "template", "force", "from"])]
+    /// List the templates and the standard tests.
+    #[arg(long, conflicts_with_all = ["name", "template", "force", "from", "test"])]
     pub list: bool,
+}
+
+/// Options of the specimen of `wythe new --test`.
+#[derive(Debug, Args)]
+pub struct Specimen {
+    /// Length, thickness and height of a unit [mm] [default: 250x120x55].
+    #[arg(long, value_name = "LxTxH", requires = "test")]
+    pub unit: Option<String>,
+    /// Thickness of the joints [mm] [default: 10].
+    #[arg(long, value_name = "MM", requires = "test")]
+    pub joint: Option<String>,
+    /// Precompressions, such as "0.2, 0.6, 1.0 MPa": a deck for each.
+    #[arg(long, value_name = "LIST", requires = "test")]
+    pub precompression: Option<String>,
+    /// Length and height of a wall [mm], such as 1200x1200; the nearest whole units and courses are taken.
+    #[arg(long, value_name = "LxH", requires = "test")]
+    pub size: Option<String>,
+    /// TOML file with [materials.unit], [materials.mortar] and [interfaces.joint] [default: of the catalogue].
+    #[arg(long, value_name = "FILE", requires = "test")]
+    pub materials: Option<PathBuf>,
 }
 
 /// `wythe completions`

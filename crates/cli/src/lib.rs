@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod drive;
 mod error_estimate;
+mod evaluate;
 mod export;
 mod failure;
 mod findings;
@@ -105,6 +106,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Report(arguments) => report::report(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
         Command::Compare(arguments) => compare::compare(arguments),
+        Command::Evaluate(arguments) => evaluate::evaluate(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
         Command::Study(arguments) => study::command::study(arguments, program),

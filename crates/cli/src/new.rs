@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use wythe_core::command::argument;
 use wythe_core::deck::import::{ImportedMesh, Units};
 use wythe_core::deck::json_schema;
+use wythe_core::deck::schema::MOST_BYTES;
+use wythe_core::deck::specimens::{self, Options, SpecimenError, TESTS};
 use wythe_core::deck::templates;
 use wythe_core::deck::templates::{SCHEMA, TEMPLATES};
 use wythe_core::error::IoError;
-use wythe_core::files::{write_out, write_whole};
+use wythe_core::files::{read_text, write_out, write_whole};
 
 use crate::arguments::New;
 use crate::failure::Failure;
@@ -17,10 +19,11 @@ use crate::say::print;
 /// Lists the templates, or writes a deck from a template or around a mesh.
 pub fn new(arguments: &New) -> Result<(), Failure> {
     let Some(name) = arguments.name.as_ref().filter(|_| !arguments.list) else {
-        let lines = TEMPLATES.iter();
-        let lines = lines.map(|t| format!("{:14}{}\n", t.name, t.about));
-        return print(&lines.collect::<String>());
+        return print(&list());
     };
+    if let Some(test) = &arguments.test {
+        return of_test(test, name, arguments);
+    }
     let path = deck_of(name);
     let folder = path.parent().unwrap_or(Path::new(""));
     let text = match &arguments.from {
@@ -31,12 +34,12 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
             .to_owned(),
     };
     if !folder.as_os_str().is_empty() {
-        std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
+        std::fs::create_dir_all(folder).map_err(of_file(folder))?;
     }
     write(&path, &text, arguments.force)?;
     // The schema there may be of another version of wythe, so it is always replaced.
     let beside = folder.join(SCHEMA);
-    write_whole(&beside, json_schema::text().as_bytes()).map_err(unwritable(&beside))?;
+    write_whole(&beside, json_schema::text().as_bytes()).map_err(of_file(&beside))?;
     let typed = argument(&path);
     print(&format!(
         "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",
@@ -48,6 +51,78 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
             ""
         }
     ))
+}
+
+/// Names and descriptions of templates and standard tests.
+fn list() -> String {
+    let templates = TEMPLATES
+        .iter()
+        .map(|t| format!("  {:30}{}\n", t.name, t.about));
+    let tests = TESTS
+        .iter()
+        .map(|t| format!("  {:30}{}\n", t.name, t.about));
+    let (templates, tests): (String, String) = (templates.collect(), tests.collect());
+    format!("--template\n{templates}--test\n{tests}")
+}
+
+/// Writes the decks of a standard test: NAME.toml, or NAME-PART.toml if there are several.
+fn of_test(test: &str, name: &Path, arguments: &New) -> Result<(), Failure> {
+    let said = &arguments.specimen;
+    let materials = said.materials.as_deref().map(read_materials).transpose()?;
+    let options = Options {
+        unit: said.unit.clone(),
+        joint: said.joint.clone(),
+        precompression: said.precompression.clone(),
+        size: said.size.clone(),
+        materials,
+    };
+    let wrong =
+        |why: SpecimenError| Failure::Model(miette::miette!(help = why.help.clone(), "{why}"));
+    // clap has checked the name.
+    let decks = specimens::find(test).map_or(Ok(Vec::new()), |test| test.decks(&options));
+    let decks = decks.map_err(wrong)?;
+    let whole = deck_of(name);
+    let folder = whole.parent().unwrap_or(Path::new(""));
+    if !folder.as_os_str().is_empty() {
+        std::fs::create_dir_all(folder).map_err(of_file(folder))?;
+    }
+    let stem = whole
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let paths: Vec<PathBuf> = decks
+        .iter()
+        .map(|deck| match deck.part.as_str() {
+            "" => whole.clone(),
+            part => folder.join(format!("{stem}-{part}.toml")),
+        })
+        .collect();
+    for (deck, path) in decks.iter().zip(&paths) {
+        write(path, &deck.text, arguments.force)?;
+    }
+    let beside = folder.join(SCHEMA);
+    write_whole(&beside, json_schema::text().as_bytes()).map_err(of_file(&beside))?;
+    let mut said: String = paths
+        .iter()
+        .map(|path| format!("{} is written\n", path.display()))
+        .collect();
+    said += "next:\n";
+    for path in &paths {
+        said += &format!("  wythe run {}\n", argument(path));
+    }
+    let folders: Vec<String> = paths
+        .iter()
+        .map(|path| argument(&path.with_extension("out")))
+        .collect();
+    said += &format!("  wythe evaluate {}\n", folders.join(" "));
+    print(&said)
+}
+
+/// Text of a file of materials.
+fn read_materials(path: &Path) -> Result<String, Failure> {
+    let text = read_text(path, MOST_BYTES as u64);
+    text.map_err(of_file(path))
 }
 
 /// Text of a deck around an imported mesh.
@@ -83,7 +158,7 @@ fn deck_of(name: &Path) -> PathBuf {
     name.into()
 }
 
-fn unwritable(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + '_ {
+fn of_file(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + '_ {
     move |why| {
         let path = path.to_owned();
         IoError { path, why }.into()
@@ -100,7 +175,7 @@ fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
             path.display()
         )));
     }
-    write_out(path, text.as_bytes()).map_err(unwritable(path))
+    write_out(path, text.as_bytes()).map_err(of_file(path))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ mod laws;
 mod model;
 mod point;
 mod run;
+mod tests;
 
 /// The Python module; see the crate.
 #[pyo3::pymodule]
@@ -39,6 +40,8 @@ mod _wythe {
     use crate::point::{drive_interface, drive_material};
     #[pymodule_export]
     use crate::run::{estimate_error, resume, run};
+    #[pymodule_export]
+    use crate::tests::{evaluate, test_decks, tests};
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "a name of Python")]

@@ -135,8 +135,7 @@ fn shallow_arch(how: Procedure, increments: Increments) -> Model {
         column: "crown_mm".to_owned(),
         nodes: strip.face(Face::Right),
         minus: Vec::new(),
-        axis: 2,
-        sign: -1.0,
+        direction: [0.0, 0.0, -1.0],
         quantity: ProbeQuantity::Displacement,
     });
     model.steps = vec![Step {

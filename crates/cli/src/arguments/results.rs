@@ -31,6 +31,16 @@ Examples:
   wythe compare wall.out SW1001.csv --json > comparison.json
   wythe compare wall.out SW1001.csv --height 1000";
 
+pub(super) const EVALUATE_HELP: &str = "\
+Strengths, moduli and energies by the definitions of the standard (docs/reference/standard-tests.md), of \
+runs of decks that `wythe new --test` wrote. Runs of one test at several precompressions give cohesion and \
+friction together.
+
+Examples:
+  wythe evaluate prism.out
+  wythe evaluate triplet-0.2.out triplet-0.6.out triplet-1.out
+  wythe evaluate wall.out --json > wall.json";
+
 pub(super) const INFO_HELP: &str = "\
 Of a folder of results: how the run went, its sizes and files; of a file of fields: its frames and \
 meshes; of a model: what it is made of.
@@ -92,6 +102,17 @@ pub struct Compare {
     /// Clear height for the drift [mm] [default: between supports and driven faces].
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     pub height: Option<f64>,
+}
+
+/// `wythe evaluate`
+#[derive(Debug, Args)]
+pub struct Evaluate {
+    /// Folders of the runs of one test.
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `wythe info`

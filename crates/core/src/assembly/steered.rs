@@ -26,7 +26,8 @@ const MOST: usize = 64;
 pub struct Steered {
     /// α [N/mm].
     pub stiffness: f64,
-    axis: usize,
+    /// Direction of the displacement, of length 1. `[xyz]`
+    direction: [f64; 3],
     /// Weights c of the nodes.
     weights: Vec<(u32, f64)>,
     cells: Vec<[u32; 8]>,
@@ -40,7 +41,7 @@ impl Steered {
         let probe = &model.probes[control.probe];
         // In a mirror half a node may count twice, once for its image.
         let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
-        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+        for (nodes, sign) in [(&probe.nodes, 1.0), (&probe.minus, -1.0)] {
             for &n in nodes {
                 *weights.entry(n).or_default() += sign / nodes.len() as f64;
             }
@@ -69,7 +70,7 @@ impl Steered {
         let material = &model.materials[mesh.material[element] as usize].parameters;
         Some(Self {
             stiffness: material.elastic().E * mesh.volume(element).cbrt(),
-            axis: probe.axis,
+            direction: probe.direction,
             weights,
             cells,
             halves,
@@ -91,8 +92,11 @@ impl Steered {
             for (a, (_, first)) in group(i).iter().enumerate() {
                 for (b, (_, second)) in group(j).iter().enumerate() {
                     let value = self.stiffness * first * second;
+                    let n = self.direction;
                     let mut add = |a: usize, b: usize| {
-                        cell[(a * 8 + b) * 9 + 4 * self.axis] = value;
+                        for (ij, entry) in cell[(a * 8 + b) * 9..][..9].iter_mut().enumerate() {
+                            *entry = value * n[ij / 3] * n[ij % 3];
+                        }
                     };
                     add(a, column + b);
                     if i != j {

@@ -200,7 +200,15 @@ impl<'a> Bodies<'a> {
                 .map_or(unit, |name| self.solid(name, rigid));
             let materials = [own, mortar.unwrap_or(own)];
             let lines = lines.as_ref().map(|lines| &lines[i]);
-            let body = masonry::append(&mut self.mesh, &wall, laid, materials, lines);
+            let mut body = masonry::append(&mut self.mesh, &wall, laid, materials, lines);
+            if let Some(rotation) = said.rotate {
+                let at = said.at.map(Quantity::get);
+                let turned = |x: [f64; 3]| {
+                    let x = rotation.turn([0, 1, 2].map(|d| x[d] - at[d]));
+                    [0, 1, 2].map(|d| at[d] + x[d])
+                };
+                body.place(&mut self.mesh, turned);
+            }
             self.all.push(body);
         }
         self.walls.push(wall);

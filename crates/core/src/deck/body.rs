@@ -134,6 +134,16 @@ impl Grid<'_> {
 }
 
 impl Body {
+    /// Maps its nodes and the outlines of its faces [mm].
+    pub fn place(&mut self, mesh: &mut Mesh, to: impl Fn([f64; 3]) -> [f64; 3]) {
+        for n in self.nodes.clone() {
+            mesh.nodes[n as usize] = to(mesh.nodes[n as usize]);
+        }
+        for outline in self.faces.iter_mut().flat_map(|face| &mut face.outlines) {
+            *outline = outline.map(&to);
+        }
+    }
+
     /// Divides a hexahedron into cells by trilinear interpolation of its corners and appends it to the mesh.
     /// Neighbours with common corners have bitwise equal node coordinates there.
     pub fn hexahedron(

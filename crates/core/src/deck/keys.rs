@@ -195,6 +195,16 @@ keep = "below"  # or "above": the side that is modelled
 near = ["100 mm", 0, "50 mm"]
 minus = "base.top"  # or { near = [0, 0, "50 mm"] }
 quantity = "displacement"  # or "velocity"
+gauge = [[0, 0, 0], [0, 0, "100 mm"]]  # moving apart is positive
+[test]
+test.kind => kind = "en1052-3"
+test.length => length = "250 mm"
+test.thickness => thickness = "120 mm"
+test.height => height = "1200 mm"
+spans = ["400 mm", "130 mm"]  # outer, inner
+lever = "480 mm"  # from the load to the tension face
+test.pressure => pressure = "0.2 MPa"
+test.angle => angle = "45 deg"
 [[imports]]
 file = "wall.inp"  # of Abaqus, or a .msh of Gmsh
 imports.units => units = "N, m, s"  # of force, length and time in the file
@@ -227,7 +237,7 @@ pub(super) const LISTS: [&str; 10] = [
 pub(super) const NAMED: [&str; 2] = ["materials", "interfaces"];
 
 /// Sections that occur once.
-pub(super) const TABLES: [&str; 5] = ["wall", "arch", "element", "contact", "output"];
+pub(super) const TABLES: [&str; 6] = ["wall", "arch", "element", "contact", "output", "test"];
 
 /// Section of a path: `steps.1` of `steps.1.increments.max`, `wall` of `wall.unit.0`.
 pub(super) fn section_of(path: &str) -> &str {

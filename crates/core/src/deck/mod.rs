@@ -35,6 +35,7 @@ mod rounding;
 pub mod scatter;
 pub mod schema;
 pub mod source;
+pub mod specimens;
 mod symmetry;
 mod tables;
 pub mod templates;

@@ -3,7 +3,7 @@
 use super::bodies::Bodies;
 use super::keys;
 use super::quantity::{Length, Quantity};
-use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Names};
+use super::schema::{Deck, DeckPlace, DeckProbe, DeckStep, Heading, Names};
 use crate::element::hexahedron::{difference, norm};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::Mesh;
@@ -62,7 +62,10 @@ pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, Mod
     let probe = |(i, probe): (usize, &DeckProbe)| {
         let path = format!("probes.{i}");
         let DeckProbe { on, near, .. } = probe.clone();
-        let (axis, sign) = probe.direction.axis();
+        if let Some(ends) = probe.gauge {
+            return gauge(deck, mesh, named, (i, probe), ends);
+        }
+        let direction = probe.direction.map_or([0.0; 3], Heading::unit);
         let minus = probe.minus.as_ref().map_or(Ok(Vec::new()), |place| {
             nodes(deck, mesh, named, &format!("{path}.minus"), place)
         })?;
@@ -70,8 +73,7 @@ pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, Mod
             column: probe.column(),
             nodes: nodes(deck, mesh, named, &path, &DeckPlace { on, near })?,
             minus,
-            axis,
-            sign,
+            direction,
             quantity: probe.quantity,
         })
     };
@@ -79,6 +81,51 @@ pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, Mod
     let all = deck.probes.iter().enumerate();
     let all = all.filter_map(|one| errors.keep(probe(one))).collect();
     errors.end(all)
+}
+
+/// The probe of a gauge: motion of the node nearest to its second end, less that of the node nearest to its first
+/// end, along the line from node to node or along the `direction` of the deck.
+///
+/// # Errors
+/// Points far from all nodes; one node nearest to both ends.
+fn gauge(
+    deck: &Deck,
+    mesh: &Mesh,
+    named: &Named<'_>,
+    (i, probe): (usize, &DeckProbe),
+    ends: [[Length; 3]; 2],
+) -> Result<Probe, ModelError> {
+    let path = format!("probes.{i}");
+    let end = |near| {
+        let on = probe.on.clone();
+        let place = DeckPlace {
+            on,
+            near: Some(near),
+        };
+        Ok(nodes(deck, mesh, named, &path, &place)?[0])
+    };
+    let [first, second] = [end(ends[0])?, end(ends[1])?];
+    if first == second {
+        return Err(deck
+            .error(
+                &format!("{path}.gauge"),
+                "one node is the nearest to both ends",
+                "ends farther apart, or a finer mesh: nodes lie on the lines of the mesh",
+            )
+            .of_kind(ErrorKind::Geometry));
+    }
+    let between = difference(mesh.nodes[second as usize], mesh.nodes[first as usize]);
+    let line = || {
+        let length = norm(between);
+        between.map(|x| x / length)
+    };
+    Ok(Probe {
+        column: probe.column(),
+        nodes: vec![second],
+        minus: vec![first],
+        direction: probe.direction.map_or_else(line, Heading::unit),
+        quantity: probe.quantity,
+    })
 }
 
 /// Nodes of a place, ascending: those of its names, or the one of these (or of all) nearest to its point. Of

@@ -260,8 +260,7 @@ impl ModelBuilder {
             column: column.to_owned(),
             nodes,
             minus: Vec::new(),
-            axis,
-            sign: 1.0,
+            direction: [0, 1, 2].map(|d| f64::from(u8::from(d == axis))),
             quantity: ProbeQuantity::Displacement,
         });
         self.model.probes.len() - 1

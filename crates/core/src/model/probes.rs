@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Mean motion of some nodes along an axis, less that of others: a column of the history.
+/// Mean motion of some nodes along a direction, less that of others: a column of the history.
 ///
 /// Each node counts once in a mean. Motion is relative to the ground where that moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,12 +14,18 @@ pub struct Probe {
     pub nodes: Vec<u32>,
     /// Nodes whose mean motion is subtracted. Empty: the ground.
     pub minus: Vec<u32>,
-    /// Axis, 0 to 2.
-    pub axis: usize,
-    /// 1, or −1 if motion against the axis counts as positive.
-    pub sign: f64,
+    /// Direction in which motion counts as positive, of length 1. `[xyz]`
+    pub direction: [f64; 3],
     /// Measured quantity.
     pub quantity: ProbeQuantity,
+}
+
+impl Probe {
+    /// Axes along which the direction has a component, with this component.
+    pub fn components(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let all = self.direction.iter().copied().enumerate();
+        all.filter(|(_, part)| *part != 0.0)
+    }
 }
 
 /// Quantity that a probe measures.

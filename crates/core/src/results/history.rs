@@ -235,8 +235,7 @@ mod tests {
                 column: column.to_owned(),
                 nodes: vec![0],
                 minus: Vec::new(),
-                axis: 0,
-                sign: 1.0,
+                direction: [1.0, 0.0, 0.0],
                 quantity: ProbeQuantity::Displacement,
             })
             .into();

@@ -26,6 +26,8 @@ pub mod directory;
 #[cfg(feature = "run-folder")]
 pub mod elevation;
 pub mod estimate;
+#[cfg(feature = "run-folder")]
+pub mod evaluation;
 pub mod export;
 pub mod history;
 #[cfg(any(feature = "mcap", feature = "run-folder"))]

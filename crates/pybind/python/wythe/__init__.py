@@ -16,7 +16,7 @@ import os
 from collections.abc import Sequence
 from typing import TypedDict
 
-from wythe import _wythe, build, templates
+from wythe import _wythe, build, templates, tests
 from wythe._drive import (
     InterfaceResponse,
     InterfaceState,
@@ -103,6 +103,7 @@ __all__ = [
     "schema",
     "study",
     "templates",
+    "tests",
 ]
 
 

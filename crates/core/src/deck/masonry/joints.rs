@@ -8,12 +8,14 @@ use crate::deck::bodies::Bodies;
 use crate::deck::body::Body;
 use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
+use crate::deck::quantity::Quantity;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
 use crate::material::ElasticParameters;
 use crate::model::Mesh;
 use crate::model::scene::ContactSurfaces;
 use crate::model::surfaces::JointSide;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use wythe_contact::{Aabb, Bvh};
 
@@ -82,9 +84,11 @@ pub(in crate::deck) fn joints(
         masters.entry(key).or_default().push(master);
         met.insert((master.0, place(&MASTERS, master.1)));
     }
+    let upright = upright(bodies);
     let mut joints = Joints {
         deck,
         bodies,
+        mesh: &upright,
         elastic,
         contact,
         touching: Vec::new(),
@@ -103,10 +107,34 @@ pub(in crate::deck) fn joints(
     joints.touching
 }
 
+/// The mesh of the bodies with turned walls turned back: joints are found along the axes of their wall.
+fn upright<'a>(bodies: &'a Bodies<'_>) -> Cow<'a, Mesh> {
+    let mut mesh = Cow::Borrowed(&bodies.mesh);
+    for wall in &bodies.walls {
+        let Some(rotation) = wall.wall.rotate else {
+            continue;
+        };
+        let at = wall.wall.at.map(Quantity::get);
+        let nodes = &mut mesh.to_mut().nodes;
+        for n in wall
+            .bodies
+            .clone()
+            .flat_map(|body| bodies.all[body].nodes.clone())
+        {
+            let node = &mut nodes[n as usize];
+            let back = rotation.turn_back([0, 1, 2].map(|d| node[d] - at[d]));
+            *node = [0, 1, 2].map(|d| at[d] + back[d]);
+        }
+    }
+    mesh
+}
+
 /// Joints of walls that are being built.
 struct Joints<'a> {
     deck: &'a Deck,
     bodies: &'a Bodies<'a>,
+    /// The mesh with all walls upright.
+    mesh: &'a Mesh,
     /// Constants of the materials by index.
     elastic: &'a [ElasticParameters],
     contact: &'a mut ContactSurfaces,
@@ -125,7 +153,7 @@ impl<'a> Joints<'a> {
 
     /// Adds the joints that planes of symmetry cut at their middle, where units meet the mirrors.
     fn mirrors(&mut self) {
-        let (bodies, mesh) = (self.bodies, &self.bodies.mesh);
+        let (bodies, mesh) = (self.bodies, self.mesh);
         for (number, mirror) in (0_u32..).zip(&bodies.mirrors) {
             // No body has this number, so that the mirror is another body for all of them.
             self.contact.add_master(mirror.facet, u32::MAX - number);
@@ -159,7 +187,7 @@ impl<'a> Joints<'a> {
 
     /// Adds facets and laws of one slave face, a unit of a wall.
     fn slaves(&mut self, slave: usize, face: Face, masters: &[(usize, Face)]) {
-        let (bodies, mesh) = (self.bodies, &self.bodies.mesh);
+        let (bodies, mesh) = (self.bodies, self.mesh);
         let Some(wall) = bodies.wall_of(slave) else {
             return;
         };

@@ -40,6 +40,10 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
     }
     for b in 1..walls.len() {
         for a in 0..b {
+            // The courses of a turned wall are level with none: others may only touch it.
+            if walls[a].2.rotate.is_some() || walls[b].2.rotate.is_some() {
+                continue;
+            }
             let common = [0, 1, 2].map(|d| {
                 let ([low, high], [from, to]) = (boxes[a][d], boxes[b][d]);
                 [low.max(from), high.min(to)]

@@ -69,6 +69,12 @@ impl Rotation {
         unit[d] = sign;
         turned(x, unit, self.angle.get().to_radians())
     }
+
+    /// A point turned back about the origin.
+    pub(in crate::deck) fn turn_back(self, x: [f64; 3]) -> [f64; 3] {
+        let angle = Angle::new(-self.angle.get());
+        Self { angle, ..self }.turn(x)
+    }
 }
 
 /// Contact between faces: points on slave faces against master faces.

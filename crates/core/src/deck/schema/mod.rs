@@ -9,6 +9,7 @@ mod bounds;
 mod form;
 mod grid;
 mod ground;
+mod heading;
 mod imports;
 mod inputs;
 mod interfaces;
@@ -24,6 +25,7 @@ mod rows;
 mod stand_in;
 mod steps;
 mod symmetry;
+mod test;
 pub(super) mod validate;
 mod wall;
 
@@ -33,6 +35,7 @@ pub use arch::DeckArch;
 pub use beams::{DeckBeam, Turning};
 pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
 pub use bounds::MOST_BYTES;
+pub use heading::Heading;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use joint_kinds::JointKind;
@@ -46,6 +49,7 @@ pub use registry::SolidKind;
 pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use symmetry::{DeckSymmetry, Keep};
+pub use test::{DeckTest, TestKind};
 pub use wall::{
     Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
     Subdivision, Wall,
@@ -133,6 +137,8 @@ pub struct Deck {
     /// Output of fields and scenes.
     #[serde(default)]
     pub output: DeckOutput,
+    /// Standard test that the deck models, for its evaluation.
+    pub test: Option<DeckTest>,
     #[serde(skip)]
     source: Source,
     /// What named materials and joints take from the catalogue.

@@ -1,6 +1,6 @@
 //! `[[probes]]`: places that the history follows.
 
-use super::{Direction, Names};
+use super::{Heading, Names};
 use crate::deck::quantity::Length;
 use crate::model::probes::ProbeQuantity;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -24,8 +24,11 @@ pub struct DeckProbe {
     pub near: Option<[Length; 3]>,
     /// A place whose motion is subtracted.
     pub minus: Option<DeckPlace>,
-    /// Positive direction.
-    pub direction: Direction,
+    /// Positive direction; that of `gauge` if absent.
+    pub direction: Option<Heading>,
+    /// Ends of a gauge at rest [mm]: the probe measures by how much the nodes nearest to them move apart.
+    /// `[end][xyz]`
+    pub gauge: Option<[[Length; 3]; 2]>,
     /// Measured quantity.
     #[serde(default)]
     pub quantity: ProbeQuantity,

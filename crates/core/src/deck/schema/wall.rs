@@ -1,5 +1,6 @@
 //! `[wall]`, `[[walls]]`: bond, materials, mesh and clamping of walls.
 
+use super::Rotation;
 use crate::deck::quantity::{Length, Number};
 use crate::model::axis::Axis;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -24,6 +25,8 @@ pub struct Wall {
     /// Axis along the wall, x or y; the other one goes through the wall.
     #[serde(default, skip_serializing_if = "along_x")]
     pub along: Axis,
+    /// Rotation about the point `at`.
+    pub rotate: Option<Rotation>,
     /// Length, thickness, height of a whole unit as a stretcher [mm].
     pub unit: [Length; 3],
     /// Thickness of the bed joints [mm]; 0: dry joints.

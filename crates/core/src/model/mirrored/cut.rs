@@ -257,7 +257,7 @@ impl Cut<'_> {
 
     /// Images stand for nodes that are not kept. Their motion across the plane has the opposite sign.
     fn probe(&self, probe: &Probe) -> Option<Probe> {
-        let across = probe.axis == self.images.axis;
+        let across = probe.direction[self.images.axis] != 0.0;
         let all = || probe.nodes.iter().chain(&probe.minus);
         let is_kept = |n: &u32| self.node[*n as usize].is_some();
         let turned = across && !all().any(is_kept);
@@ -280,10 +280,14 @@ impl Cut<'_> {
                 place
             }
         };
+        let mut direction = probe.direction;
+        if turned {
+            direction[self.images.axis] *= -1.0;
+        }
         Some(Probe {
             nodes: place(&probe.nodes),
             minus: place(&probe.minus),
-            sign: if turned { -probe.sign } else { probe.sign },
+            direction,
             ..probe.clone()
         })
     }

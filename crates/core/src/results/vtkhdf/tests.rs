@@ -97,8 +97,7 @@ fn whole_model() -> Model {
         column: "gap_mm".to_owned(),
         nodes: vec![0],
         minus: Vec::new(),
-        axis: 0,
-        sign: 1.0,
+        direction: [1.0, 0.0, 0.0],
         quantity: ProbeQuantity::Displacement,
     }];
     model.beams = vec![Beam {

@@ -14,14 +14,22 @@ pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> V
             ProbeQuantity::Displacement => &state.q,
             ProbeQuantity::Velocity => &state.velocity,
         };
-        let mean = |nodes: &[u32]| {
-            let at = |n: &u32| match dofs.slot[*n as usize][probe.axis] {
+        let mean = |nodes: &[u32], axis: usize| {
+            let at = |n: &u32| match dofs.slot[*n as usize][axis] {
                 HELD => 0.0,
                 slot => of_slot[slot as usize],
             };
             nodes.iter().map(at).sum::<f64>() / nodes.len().max(1) as f64
         };
-        probe.sign * (mean(&probe.nodes) - mean(&probe.minus))
+        let along = |(axis, part): (usize, f64)| {
+            part * (mean(&probe.nodes, axis) - mean(&probe.minus, axis))
+        };
+        // One axis alone keeps the sign of a zero.
+        probe
+            .components()
+            .map(along)
+            .reduce(|sum, part| sum + part)
+            .unwrap_or_default()
     });
     value.collect()
 }

@@ -173,9 +173,11 @@ impl<'m> StepRun<'m> {
         };
         let probe = &model.probes[control.probe];
         let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
-        for (nodes, sign) in [(&probe.nodes, probe.sign), (&probe.minus, -probe.sign)] {
+        for (nodes, sign) in [(&probe.nodes, 1.0), (&probe.minus, -1.0)] {
             for &n in nodes {
-                nodal[n as usize][probe.axis] += sign / nodes.len() as f64;
+                for (axis, part) in probe.components() {
+                    nodal[n as usize][axis] += sign * part / nodes.len() as f64;
+                }
             }
         }
         let mut gradient = vec![0.0; system.dofs.slots];

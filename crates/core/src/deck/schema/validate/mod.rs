@@ -8,6 +8,7 @@ mod materials;
 mod probes;
 mod references;
 mod steps;
+mod test;
 mod wall;
 
 use super::form::Broken;
@@ -77,6 +78,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.imports();
     checks.probes();
     checks.loads();
+    checks.test();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }

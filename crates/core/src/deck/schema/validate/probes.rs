@@ -2,7 +2,8 @@
 
 use super::Checks;
 use crate::deck::keys;
-use crate::deck::schema::DeckProbe;
+use crate::deck::quantity::Quantity;
+use crate::deck::schema::{DeckProbe, Heading};
 use crate::model::columns::FIXED;
 
 impl Checks<'_> {
@@ -28,12 +29,7 @@ impl Checks<'_> {
                 || format!("there are two columns named `{column}`"),
                 "give each probe a name of its own",
             );
-            self.require(
-                probe.on.is_some() || probe.near.is_some(),
-                &format!("{path}.on"),
-                || "neither `on` nor `near` is given".to_owned(),
-                &keys::example("on"),
-            );
+            self.place_of_probe(&path, probe);
             self.not_empty(&format!("{path}.on"), probe.on.as_ref());
             if let Some(minus) = &probe.minus {
                 self.require(
@@ -45,5 +41,44 @@ impl Checks<'_> {
                 self.not_empty(&format!("{path}.minus.on"), minus.on.as_ref());
             }
         }
+    }
+
+    /// Requires a place and a direction, or a gauge in place of both.
+    fn place_of_probe(&mut self, path: &str, probe: &DeckProbe) {
+        let zero = |heading: &Heading| heading.unit() == [0.0; 3];
+        self.demand(
+            !probe.direction.as_ref().is_some_and(zero),
+            &format!("{path}.direction"),
+            || "a vector of length 0 is no direction".to_owned(),
+            &keys::example("direction"),
+        );
+        let Some(ends) = probe.gauge else {
+            self.require(
+                probe.on.is_some() || probe.near.is_some(),
+                &format!("{path}.on"),
+                || "neither `on` nor `near` nor `gauge` is given".to_owned(),
+                &keys::example("on"),
+            );
+            self.require(
+                probe.direction.is_some(),
+                &format!("{path}.direction"),
+                || "the key is missing".to_owned(),
+                &keys::example("direction"),
+            );
+            return;
+        };
+        self.require(
+            probe.near.is_none() && probe.minus.is_none(),
+            &format!("{path}.gauge"),
+            || "a gauge has two ends of its own".to_owned(),
+            "leave `near` and `minus` out; `on` may restrict the nodes of both ends",
+        );
+        let [a, b] = ends.map(|end| end.map(Quantity::get));
+        self.demand(
+            a != b,
+            &format!("{path}.gauge"),
+            || "both ends lie at one point".to_owned(),
+            &keys::example("gauge"),
+        );
     }
 }

@@ -35,6 +35,7 @@ impl Checks<'_> {
             || "a wall does not run upwards".to_owned(),
             &keys::example("along"),
         );
+        self.rotation(path, wall);
         self.within(&key("head_filling"), wall.head_filling, 0.0..=1.0);
         self.require(
             !wall.rigid || joints.iter().all(|(_, joint)| joint.is_none_or(|j| j.get() == 0.0)),
@@ -52,6 +53,28 @@ impl Checks<'_> {
         self.clamping(path, wall);
         self.bond(path, wall);
         self.materials_of_wall(path, wall);
+    }
+
+    /// Rejects a turned wall whose courses would be clamped, or that a plane of symmetry would cut.
+    fn rotation(&mut self, path: &str, wall: &Wall) {
+        if wall.rotate.is_none() {
+            return;
+        }
+        self.require(
+            path != "wall" || self.deck.clamped().is_none(),
+            &format!("{path}.rotate"),
+            || {
+                "a clamped wall stands upright: its courses are held and its top is a level beam"
+                    .to_owned()
+            },
+            "clamped = false, with supports and steps that name faces of units or blocks",
+        );
+        self.require(
+            self.deck.symmetry.is_empty(),
+            &format!("{path}.rotate"),
+            || "planes of symmetry cut walls along their axes, and this one is turned".to_owned(),
+            "leave [[symmetry]] out: mirror halves are found where there are any",
+        );
     }
 
     /// Requires an explicit stiffness of joints of rigid-like bodies, whose modulus follows from it.

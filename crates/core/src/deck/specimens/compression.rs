@@ -1,0 +1,84 @@
+//! The wallette in compression of EN 1052-1.
+
+use super::SpecimenDeck;
+use super::options::Specimen;
+use super::text::{WallText, head, mm, point, tables, wall};
+
+/// A wallette between platens: two units long and at least five courses high.
+pub(super) fn wallette(specimen: &Specimen) -> Vec<SpecimenDeck> {
+    let ([unit, thickness, height], joint) = (specimen.unit, specimen.joint);
+    let bed = height + joint;
+    let [length, up] = specimen.size.unwrap_or([2.0 * unit + joint, 0.0]);
+    let units = ((length + joint) / (unit + joint)).round().max(2.0);
+    let length = units * (unit + joint) - joint;
+    // EN 1052-1: at least five courses, at least as high as long and as three times as thick.
+    let least = up.max(length).max(3.0 * thickness);
+    let courses = ((least + joint) / bed).ceil().max(5.0);
+    let up = courses * bed - joint;
+    let mut text = head(
+        specimen,
+        "Wallette in compression",
+        r"
+  v v v v v  driven down; the platen stays level
+┌───────────┐
+├──┬──────┬─┤
+├──┴──┬───┴─┤ o
+├──┬──┴───┬─┤ |  gauge, a third of the height
+├──┴──┬───┴─┤ o
+└─────┴─────┘
+/////////////
+
+EN 1052-1: strength and modulus of masonry at right angles to its beds.",
+    );
+    text.push_str(&wall(
+        specimen,
+        WallText {
+            length,
+            courses: courses as u32,
+            mesh: None,
+            more: "clamped = { bottom_courses = 0, top_courses = 0 }\n",
+        },
+    ));
+    let sizes = [length, thickness, up].map(mm);
+    let gauge = |y: f64| {
+        let end = |part: f64| point([0.5 * length, y, part * up]);
+        format!("[{}, {}]", end(1.0 / 3.0), end(2.0 / 3.0))
+    };
+    // Far beyond the strain at the strength of masonry, some thousandths.
+    let way = mm(0.02 * up);
+    tables(
+        &mut text,
+        &format!(
+            r#"
+[test] # what `wythe evaluate` needs
+kind = "en1052-1"
+length = "{} mm"
+thickness = "{} mm"
+height = "{} mm"
+
+[[probes]]
+name = "front"
+gauge = {}
+
+[[probes]]
+name = "back"
+gauge = {}
+
+[[steps]]
+kind = "drive"
+direction = "-z"
+displacement = "{way} mm"
+stop = {{ below_peak = 0.6 }}
+"#,
+            sizes[0],
+            sizes[1],
+            sizes[2],
+            gauge(0.0),
+            gauge(thickness),
+        ),
+    );
+    vec![SpecimenDeck {
+        part: String::new(),
+        text,
+    }]
+}
