@@ -14,6 +14,8 @@ pub(super) struct Materials {
     pub mortar: String,
     /// Interface of the joints.
     pub joint: String,
+    /// Whether units and mortar have a density.
+    pub have_mass: bool,
 }
 
 /// Materials of a specimen if no file is given: a clay brick and a mortar of the catalogue.
@@ -56,6 +58,7 @@ impl Materials {
                 unit: "unit".to_owned(),
                 mortar: "mortar".to_owned(),
                 joint: "joint".to_owned(),
+                have_mass: true,
             });
         };
         let wrong = |message: String, help: &str| SpecimenError::new("--materials", message, help);
@@ -86,12 +89,20 @@ impl Materials {
         } else {
             find(&materials, &["mortar"], "material mortar")
         };
-        let taken = Self {
+        let mut taken = Self {
+            have_mass: false,
             unit: find(&materials, &UNITS, "material of the units")?,
             mortar: mortar?,
             joint: find(&interfaces, &["joint", "dry"], "interface joint")?,
             text: String::new(),
         };
+        let has_mass = |name: &String| {
+            let material = tables.get("materials").and_then(|all| all.get(name));
+            // A material of the catalogue has a density.
+            material
+                .is_some_and(|material| material.get("density").or(material.get("name")).is_some())
+        };
+        taken.have_mass = has_mass(&taken.unit) && (dry || has_mass(&taken.mortar));
         let text = toml::to_string(&tables)
             .map_err(|why| wrong(why.to_string(), "mend the file first"))?;
         Ok(Self { text, ..taken })

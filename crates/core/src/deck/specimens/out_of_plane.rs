@@ -38,6 +38,12 @@ fn deck(specimen: &Specimen, two_way: bool) -> Vec<SpecimenDeck> {
             "Foot and head are held across: it bends one way.",
         )
     };
+    // Without its weight the units above a crack lie loose.
+    let (weight, gravity) = if specimen.materials.have_mass {
+        ("Under its own weight.", "[[steps]]\nkind = \"gravity\"\n\n")
+    } else {
+        ("Without self-weight, as its materials have no density.", "")
+    };
     let about = format!(
         "
    /|  ┌─┐
@@ -47,7 +53,7 @@ bag |->│ │
    \\|  └─┘
        ///
 
-{how} Without self-weight: add `kind = \"gravity\"` and a density for it."
+{how} {weight}"
     );
     let mut text = head(specimen, title, &about);
     text.push_str(&wall(
@@ -101,11 +107,13 @@ name = "middle"
 near = {}
 direction = "y"
 
-[[steps]]
+{gravity}[[steps]]
 kind = "load"
 procedure = "displacement_control"
 control = {{ probe = "middle", displacement = "{} mm" }}
 increments = {{ initial = 0.001, max = 0.025 }}
+viscosity = 0.0005 # of step time: carries the snap of a unit; the peak is up to 3 % higher by it
+stop = {{ below_peak = 0.5 }}
 
 [[steps.loads]]
 name = "airbag"

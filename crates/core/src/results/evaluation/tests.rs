@@ -1,1 +1,194 @@
+//! Formulas on curves made by hand.
 
+use super::*;
+use crate::deck::quantity::Quantity;
+use crate::deck::schema::DeckTest;
+use crate::results::{ReadHistory, StepOfCurve, VerdictKind};
+use crate::state::HistoryRow;
+use std::collections::BTreeMap;
+
+/// A run with points of displacement [mm] and force [kN], a probe column, and sizes of 100 × 50 × 400 mm.
+fn run(kind: TestKind, points: &[(f64, f64)], columns: &[(&str, Vec<f64>)]) -> TestRun {
+    let row = |(i, point): (usize, &(f64, f64))| HistoryRow {
+        displacement_mm: point.0,
+        force_kN: point.1,
+        probes: columns.iter().map(|(_, values)| values[i]).collect(),
+        ..HistoryRow::default()
+    };
+    let mm = |value| Some(Quantity::new(value));
+    TestRun {
+        name: "run".to_owned(),
+        test: DeckTest {
+            kind,
+            length: mm(100.0),
+            thickness: mm(50.0),
+            height: mm(400.0),
+            spans: Some([Quantity::new(300.0), Quantity::new(100.0)]),
+            lever: mm(200.0),
+            pressure: Some(Quantity::new(0.5)),
+            angle: Some(Quantity::new(45.0)),
+        },
+        history: ReadHistory {
+            rows: points.iter().enumerate().map(row).collect(),
+            probes: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            steps: Some(vec![StepOfCurve {
+                driven: true,
+                ..StepOfCurve::default()
+            }]),
+        },
+        gauges: BTreeMap::from([
+            ("front_mm".to_owned(), 100.0),
+            ("back_mm".to_owned(), 100.0),
+            ("vertical_mm".to_owned(), 200.0),
+            ("horizontal_mm".to_owned(), 200.0),
+        ]),
+        collapsed_at: None,
+        verdict: Some(VerdictKind::PeakPassed),
+    }
+}
+
+fn of(found: &Evaluation, name: &str) -> f64 {
+    let mut all = found.runs[0].values.iter().chain(&found.together);
+    all.find(|value| value.name == name)
+        .unwrap_or_else(|| panic!("{name}"))
+        .value
+}
+
+fn near(value: f64, wanted: f64) {
+    assert!(
+        (value / wanted - 1.0).abs() < 1e-12,
+        "{value}, not {wanted}"
+    ); // some roundings
+}
+
+#[test]
+fn compression_reads_strength_and_modulus() {
+    let gauges = [
+        ("front_mm", vec![-0.01, -0.02, -0.06, -0.08]),
+        ("back_mm", vec![-0.03, -0.06, -0.18, -0.24]),
+    ];
+    let found = evaluate(&[run(
+        TestKind::Compression,
+        &[(0.1, 10.0), (0.2, 20.0), (0.5, 45.0), (1.0, 30.0)],
+        &gauges,
+    )])
+    .unwrap();
+    // 45 kN on 5,000 mm².
+    near(of(&found, "f"), 9.0);
+    near(of(&found, "f_k"), 7.5);
+    // At 15 kN, half-way between the first two rows, the gauges have shortened by 0.03 of 100 mm on the mean.
+    near(of(&found, "E"), 3.0 / 3e-4);
+}
+
+#[test]
+fn flexure_sums_the_forces_of_both_inner_lines() {
+    let lines = [
+        ("first_kN", vec![0.5, 1.0, 0.2]),
+        ("second_kN", vec![0.5, 1.0, 0.2]),
+    ];
+    let found = evaluate(&[run(
+        TestKind::Flexure,
+        &[(0.1, 0.5), (0.2, 1.0), (0.3, 0.2)],
+        &lines,
+    )])
+    .unwrap();
+    // M = 1 kN × 100 mm, W = 100 × 50² / 6 mm³.
+    near(of(&found, "f_x"), 1e5 * 6.0 / (100.0 * 2500.0));
+}
+
+#[test]
+fn triplets_lie_on_a_line() {
+    let at = |pressure: f64, force: f64| {
+        let mut run = run(
+            TestKind::Triplet,
+            &[(0.1, force), (1.0, 2.0 * pressure), (2.0, 2.0 * pressure)],
+            &[],
+        );
+        run.test.pressure = Some(Quantity::new(pressure));
+        run
+    };
+    // f_v = 0.3 + 0.6 f_p on 2 × 5,000 mm²; residual 0.2 f_p.
+    let found = evaluate(&[at(0.5, 6.0), at(1.0, 9.0), at(2.0, 15.0)]).unwrap();
+    near(of(&found, "f_v0"), 0.3);
+    near(of(&found, "tan_alpha"), 0.6);
+    near(of(&found, "f_vk0"), 0.24);
+    near(of(&found, "tan_phi_r"), 0.2);
+    let alone = evaluate(&[at(0.5, 6.0)]).unwrap();
+    assert!(
+        alone.together.is_empty() && alone.notes[0].contains("at least two"),
+        "{:?}",
+        alone.notes
+    );
+}
+
+#[test]
+fn the_wrench_takes_the_compression_of_its_load_off() {
+    let found = evaluate(&[run(TestKind::BondWrench, &[(0.1, 0.3), (0.2, 0.1)], &[])]).unwrap();
+    // Bending by 300 N at 200 - 25 mm from the middle, less 300 N over the bed of 5,000 mm².
+    near(
+        of(&found, "f_w"),
+        300.0 * 175.0 * 6.0 / (100.0 * 2500.0) - 300.0 / 5000.0,
+    );
+}
+
+#[test]
+fn energies_are_areas_below_the_curve() {
+    let triangle = [(0.0, 0.0), (0.1, 1.0), (0.3, 0.0)];
+    let found = evaluate(&[run(TestKind::CoupletTension, &triangle, &[])]).unwrap();
+    near(of(&found, "f_t"), 0.2);
+    near(of(&found, "G_I"), 0.15 * 1e3 / 5000.0);
+    let plateau = [(0.0, 0.0), (0.1, 2.0), (0.3, 1.0), (10.0, 1.0)];
+    let uplift = [("uplift_mm", vec![0.0, 0.0, 0.05, 0.5])];
+    let found = evaluate(&[run(TestKind::DirectShear, &plateau, &uplift)]).unwrap();
+    near(of(&found, "f_vr"), 0.2);
+    near(of(&found, "uplift_over_slip"), 0.05);
+    // Above the residual 1 kN: half of 1 kN over the first 0.1 mm as if from that force on, then over 0.2 mm.
+    near(of(&found, "G_II"), 0.15 * 1e3 / 5000.0);
+}
+
+#[test]
+fn diagonal_compression_has_strengths_by_each_definition() {
+    let gauges = [
+        ("vertical_mm", vec![-0.02, -0.09]),
+        ("horizontal_mm", vec![0.02, 0.2]),
+    ];
+    let found = evaluate(&[run(
+        TestKind::Diagonal,
+        &[(0.1, 10.0), (0.5, 30.0)],
+        &gauges,
+    )])
+    .unwrap();
+    // A_n = 50 × (100 + 400) / 2 mm².
+    let per_area = 30e3 / 12_500.0;
+    near(of(&found, "f_t_rilem"), 0.5 * per_area);
+    near(of(&found, "S_s"), per_area / 2.0_f64.sqrt());
+    // A third of the force is the first row: 0.02 + 0.02 mm on 200 mm.
+    near(of(&found, "G"), per_area / 2.0_f64.sqrt() / 3.0 / 2e-4);
+}
+
+#[test]
+fn a_wall_that_fell_tells_the_tangent_of_its_last_angle() {
+    let mut run = run(TestKind::TiltingTable, &[(0.0, 0.0)], &[]);
+    run.collapsed_at = Some(0.5);
+    let found = evaluate(&[run]).unwrap();
+    near(of(&found, "load_factor"), 22.5_f64.to_radians().tan());
+}
+
+#[test]
+fn a_force_that_still_rises_is_remarked_on_and_mixed_runs_are_refused() {
+    let mut rising = run(TestKind::CoupletTension, &[(0.1, 1.0)], &[]);
+    rising.verdict = Some(VerdictKind::StillRising);
+    let found = evaluate(std::slice::from_ref(&rising)).unwrap();
+    assert!(found.notes[0].contains("still rises"), "{:?}", found.notes);
+    let other = run(TestKind::BondWrench, &[(0.1, 1.0)], &[]);
+    assert!(matches!(
+        evaluate(&[rising, other]),
+        Err(EvaluationError::Mixed { .. })
+    ));
+    assert!(matches!(evaluate(&[]), Err(EvaluationError::NoRuns)));
+    let still = run(TestKind::BondWrench, &[], &[]);
+    assert!(matches!(
+        evaluate(&[still]),
+        Err(EvaluationError::NoCurve(_))
+    ));
+}

@@ -1,0 +1,302 @@
+//! Standard tests: the decks of `wythe new --test` run, and `wythe evaluate` gives back what went in, or what a
+//! closed form bounds.
+//!
+//! The joint is the catalogue's `M5 on clay`: f_t = 0.17858 MPa, c = 0.25 MPa, tan phi = mu = 0.5, G_I = 0.012 N/mm,
+//! G_II = 0.02325 N/mm.
+
+mod common;
+
+use common::*;
+use serde_json::Value;
+use std::path::Path;
+
+const F_T: f64 = 0.17858;
+const C: f64 = 0.25;
+const TAN_PHI: f64 = 0.5;
+
+/// Writes the decks of a test, runs them with these changes, and evaluates the runs.
+fn evaluated(folder: &Path, test: &str, options: &[&str], changes: &[&str]) -> Value {
+    let name = folder.join("specimen").display().to_string();
+    let written = wythe(&[&["new", &name, "--test", test][..], options].concat());
+    assert_eq!(code(&written), 0, "{}", stderr(&written));
+    let decks = stdout(&written);
+    let decks = decks
+        .lines()
+        .filter_map(|line| line.strip_suffix(" is written"));
+    let mut folders = Vec::new();
+    for deck in decks {
+        let mut arguments = vec!["run", deck, "--threads", "1", "--quiet"];
+        for change in changes {
+            arguments.extend(["--set", change]);
+        }
+        let run = wythe(&arguments);
+        assert_eq!(code(&run), 0, "{test}: {}", stderr(&run));
+        folders.push(deck.replace(".toml", ".out"));
+    }
+    let mut arguments = vec!["evaluate", "--json"];
+    arguments.extend(folders.iter().map(String::as_str));
+    let found = wythe(&arguments);
+    assert_eq!(code(&found), 0, "{test}: {}", stderr(&found));
+    serde_json::from_str(&stdout(&found)).unwrap()
+}
+
+/// A value of the list at a pointer.
+fn value(found: &Value, list: &str, name: &str) -> f64 {
+    let list = found.pointer(list).unwrap().as_array().unwrap();
+    let found = list.iter().find(|value| value["name"] == name);
+    found.unwrap_or_else(|| panic!("{name}"))["value"]
+        .as_f64()
+        .unwrap()
+}
+
+fn of_run(found: &Value, run: usize, name: &str) -> f64 {
+    value(found, &format!("/runs/{run}/values"), name)
+}
+
+fn no_notes(found: &Value) {
+    assert_eq!(found["notes"].as_array().unwrap(), &Vec::<Value>::new());
+}
+
+fn between(value: f64, low: f64, high: f64) {
+    assert!(
+        (low..=high).contains(&value),
+        "{value} is not within {low} to {high}"
+    );
+}
+
+#[test]
+fn a_couplet_in_tension_gives_strength_and_energy_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "couplet-tension", &[], &[]);
+    no_notes(&found);
+    // The stress is uneven at the edges, so that the strength is a little lower than f_t, never higher.
+    between(of_run(&found, 0, "f_t"), 0.98 * F_T, F_T);
+    // Every point of the joint dissipates G_I; the trapezoidal rule over the increments costs the rest.
+    between(of_run(&found, 0, "G_I"), 0.99 * 0.012, 1.01 * 0.012);
+}
+
+#[test]
+fn direct_shear_gives_cohesion_and_friction_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "direct-shear", &[], &[]);
+    no_notes(&found);
+    for (run, pressure) in [0.1, 0.5, 1.0].into_iter().enumerate() {
+        // No bed carries more than its law; uneven shear takes some per cent.
+        let most = C + TAN_PHI * pressure;
+        between(of_run(&found, run, "f_v"), 0.96 * most, most);
+        between(
+            of_run(&found, run, "f_vr"),
+            0.995 * TAN_PHI * pressure,
+            1.005 * TAN_PHI * pressure,
+        );
+    }
+    between(value(&found, "/together", "c"), 0.95 * C, 1.001 * C);
+    between(
+        value(&found, "/together", "tan_phi"),
+        0.97 * TAN_PHI,
+        1.001 * TAN_PHI,
+    );
+    // The residual force is no bound for the force on the way: G_II is found within 5 %.
+    between(of_run(&found, 0, "G_II"), 0.95 * 0.02325, 1.05 * 0.02325);
+}
+
+#[test]
+fn triplets_give_the_initial_shear_strength() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["--precompression", "0.2, 1 MPa", "--unit", "210x100x60"];
+    let found = evaluated(folder.path(), "en1052-3", &options, &[]);
+    no_notes(&found);
+    for (run, pressure) in [0.2, 1.0].into_iter().enumerate() {
+        // Shear is uneven along the beds, more than in direct shear: the middle unit is pushed at one end.
+        let most = C + TAN_PHI * pressure;
+        between(of_run(&found, run, "f_v"), 0.88 * most, most);
+    }
+    between(value(&found, "/together", "f_v0"), 0.88 * C, C);
+    between(
+        value(&found, "/together", "tan_phi_r"),
+        0.995 * TAN_PHI,
+        1.005 * TAN_PHI,
+    );
+    let f_vk0 = value(&found, "/together", "f_vk0");
+    assert!((f_vk0 / value(&found, "/together", "f_v0") - 0.8).abs() < 1e-12); // by definition
+}
+
+/// A bed that bends carries at least f_t by the elastic formula, and at most three times as much: tension f_t over
+/// the whole depth against an edge.
+#[test]
+fn bent_joints_carry_between_the_elastic_and_the_plastic_limit() {
+    for (test, name) in [("en1052-5", "f_w"), ("out-of-plane-four-point", "f_x")] {
+        let folder = tempfile::tempdir().unwrap();
+        let found = evaluated(folder.path(), test, &[], &[]);
+        no_notes(&found);
+        between(of_run(&found, 0, name), F_T, 3.0 * F_T);
+    }
+}
+
+#[test]
+fn flexure_normal_to_the_beds_is_stronger_than_parallel() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "en1052-2", &[], &[]);
+    no_notes(&found);
+    assert_eq!(found["runs"][0]["run"], "specimen-parallel");
+    let [parallel, normal] = [0, 1].map(|run| of_run(&found, run, "f_x"));
+    between(parallel, F_T, 3.0 * F_T);
+    // Beds slide and units tear where head joints alone would open.
+    between(normal, 1.5 * parallel, 6.0 * parallel);
+}
+
+#[test]
+fn a_wallette_is_as_strong_as_between_mortar_and_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "en1052-1", &[], &[]);
+    no_notes(&found);
+    between(of_run(&found, 0, "f"), 5.0, 20.8);
+    // Units of 6,240 MPa and beds of 1,000 MPa in series, 55 and 10 mm: 3,455 MPa. Head joints and mortar that yields
+    // make it softer.
+    between(of_run(&found, 0, "E"), 0.7 * 3455.0, 3455.0);
+}
+
+/// N = p t L on a wall as high as H: a rigid block carries N L/H with its top level, half of it if that may turn.
+#[test]
+fn walls_in_shear_carry_no_more_than_a_rigid_block() {
+    let size = ["--size", "640x580", "--precompression", "0.3 MPa"];
+    for (test, times) in [
+        ("shear-compression", 1.0),
+        ("shear-compression-cantilever", 0.5),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let found = evaluated(folder.path(), test, &size, &[]);
+        // Half units of 130 mm and courses of 65 mm: 640 × 575 mm.
+        let most = times * 1e-3 * 0.3 * 120.0 * 640.0 * 640.0 / 575.0;
+        between(of_run(&found, 0, "V_max"), 0.5 * most, 1.02 * most);
+    }
+}
+
+#[test]
+fn a_wall_to_and_fro_has_the_peak_of_its_envelope() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = ["--size", "510x450", "--precompression", "0.3 MPa"];
+    let loops = [
+        "steps.1.cycles.amplitudes=[\"0.5 mm\"]",
+        "steps.1.cycles.repeat=1",
+    ];
+    let found = evaluated(folder.path(), "shear-compression-cyclic", &size, &loops);
+    assert!(of_run(&found, 0, "V_max") > 0.0);
+}
+
+#[test]
+fn diagonal_compression_gives_strength_by_both_definitions() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "rilem-lumb6", &["--size", "510x510"], &[]);
+    let [p, s, tension] = ["P_max", "S_s", "f_t_rilem"].map(|name| of_run(&found, 0, name));
+    // 510 × 510 × 120 mm, the height 10 mm less for the bed joint on top of it.
+    let area = 120.0 * 0.5 * (510.0 + 510.0);
+    assert!(
+        (s / (0.707_106_78 * 1e3 * p / area) - 1.0).abs() < 1e-6,
+        "{s}, {p}"
+    );
+    assert!((tension / s - 0.707_106_78).abs() < 1e-6);
+    // The modulus of the wall lies below that of the unit.
+    between(of_run(&found, 0, "G"), 100.0, 6240.0 / 2.3);
+}
+
+#[test]
+fn walls_under_an_airbag_pass_their_peak() {
+    for (test, size) in [
+        ("out-of-plane", "510x580"),
+        ("out-of-plane-two-way", "770x580"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let found = evaluated(folder.path(), test, &["--size", size], &[]);
+        no_notes(&found);
+        assert!(of_run(&found, 0, "p_max") > 0.0);
+    }
+}
+
+/// Squat walls slide on their lowest bed when tan alpha = mu; slender ones would turn earlier.
+#[test]
+fn a_dry_wall_on_a_tilting_table_slides_at_its_friction() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "tilting-table", &["--size", "1000x330"], &[]);
+    between(of_run(&found, 0, "load_factor"), 0.98 * 0.7, 1.001 * 0.7);
+}
+
+#[test]
+fn options_and_folders_that_are_wrong_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("a").display().to_string();
+    let refused = |options: &[&str]| {
+        let output = wythe(&[&["new", &name, "--test", "en1052-3"][..], options].concat());
+        assert_eq!(code(&output), 2);
+        stderr(&output)
+    };
+    assert!(refused(&["--unit", "250x120"]).contains("--unit: \"250x120\" has 2 sizes, not 3"));
+    assert!(refused(&["--precompression", "1 kN"]).contains("expected"));
+    let empty = folder.path().display().to_string();
+    let output = wythe(&["evaluate", &empty]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(stderr(&output).contains("no results of a run"));
+    // A run of a deck without [test].
+    let deck = repository("examples/01_couplet_tension.toml")
+        .display()
+        .to_string();
+    let out = folder.path().join("b.out").display().to_string();
+    wythe(&["run", &deck, "--quiet", "--out", &out]);
+    let output = wythe(&["evaluate", &out]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("has no table [test]"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// Pressure follows the faces of a wall that is turned, and a traction is turned with it: openings and energies are
+/// those of the wall upright.
+#[test]
+fn a_turned_wall_behaves_as_the_upright_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut ends = Vec::new();
+    for degrees in [0.0_f64, 30.0, 90.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        // A pull of 0.1 MPa along the wall's own x, that opens head joints and slides beds.
+        let text = format!(
+            "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
+             [interfaces.joint]\nf_t = 0.05\nu_k = 0.3\nzeta = 4.38\nc = 0.15\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
+             mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 410\ncourses = 4\n\
+             unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = false\nat = [50, 20, 10]\n\
+             rotate = {{ axis = \"-y\", angle = {degrees} }}\n[[supports]]\non = \"wall.bottom\"\n[[probes]]\nname = \
+             \"along\"\non = \"wall.right\"\ndirection = [{cos}, 0, {sin}]\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"press\"\non = \
+             \"wall.top\"\npressure = 0.3\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"pull\"\non = \
+             \"wall.right\"\ntraction = [{}, 0, {}]\n",
+            0.1 * cos,
+            0.1 * sin
+        );
+        let deck = folder.path().join(format!("turned-{degrees}.toml"));
+        std::fs::write(&deck, text).unwrap();
+        let (deck, out) = (
+            deck.display().to_string(),
+            folder.path().join(format!("{degrees}.out")),
+        );
+        let run = wythe(&[
+            "run",
+            &deck,
+            "--quiet",
+            "--threads",
+            "1",
+            "--out",
+            &out.display().to_string(),
+        ]);
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+        let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+        let last = |name: &str| column(&history, name).last().copied().unwrap();
+        ends.push(["along_mm", "elastic_energy_J", "interface_dissipation_J"].map(last));
+    }
+    assert!(ends[0].iter().all(|value| *value > 0.0), "{ends:?}");
+    for end in &ends[1..] {
+        for (a, b) in end.iter().zip(&ends[0]) {
+            // The tolerance of equilibrium, 2e-3 of the mean nodal force, leaves less than that.
+            assert!((a / b - 1.0).abs() < 2e-3, "{ends:?}");
+        }
+    }
+}

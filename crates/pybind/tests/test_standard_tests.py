@@ -1,0 +1,62 @@
+"""Standard tests: models, runs and evaluation from Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import wythe
+
+
+def test_every_test_has_a_function_and_models() -> None:
+    for name in wythe.tests.names():
+        make = getattr(wythe.tests, name.replace("-", "_"))
+        test = make(unit="210x100x60")
+        assert test.name == name
+        assert all(isinstance(model, wythe.Model) for model in test.models.values())
+        assert make.__doc__
+
+
+def test_a_couplet_gives_its_strength_back(tmp_path: Path) -> None:
+    found = wythe.tests.couplet_tension().run(tmp_path, threads=1)
+    # The stress is a little uneven, so that the strength is somewhat lower than f_t = 0.1786 MPa of M5 on clay.
+    assert 0.98 * 0.1786 < found["f_t"] <= 0.1786
+    assert found.runs["couplet-tension"]["f_t"].unit == "MPa"
+    assert "f_t" in str(found)
+    assert dict(found) == {value.name: value.value for value in found.runs["couplet-tension"].values()}
+    again = wythe.tests.evaluate(tmp_path / "couplet-tension.out")
+    assert again["f_t"] == found["f_t"]
+    assert found.results[""].status == "completed"
+
+
+def test_several_pressures_are_evaluated_together() -> None:
+    found = wythe.tests.direct_shear(precompression=[0.2, 1.0]).run(threads=1)
+    assert list(found.runs) == ["direct-shear-0.2", "direct-shear-1"]
+    # c = 0.25 MPa and tan phi = 0.5, less some per cent by uneven shear.
+    assert 0.95 * 0.25 < found["c"] <= 0.2501
+    assert 0.97 * 0.5 < found["tan_phi"] <= 0.5001
+    with pytest.raises(KeyError, match="f_v: there are c"):
+        found["f_v"]
+
+
+def test_materials_come_from_models_dictionaries_and_files(tmp_path: Path) -> None:
+    wall = wythe.templates.couplet()
+    by_model = wythe.tests.couplet_tension(materials=wall).models[""].to_dict()
+    assert by_model["interfaces"]["joint"]["f_t"] == 0.28
+    path = wall.save(tmp_path / "couplet.toml")
+    by_file = wythe.tests.couplet_tension(materials=path or tmp_path / "couplet.toml").models[""]
+    assert by_file.to_dict()["interfaces"] == by_model["interfaces"]
+    tables = {key: wall.to_dict()[key] for key in ("materials", "interfaces")}
+    by_tables = wythe.tests.couplet_tension(materials=tables).models[""]
+    assert by_tables.to_dict()["interfaces"] == by_model["interfaces"]
+
+
+def test_wrong_options_are_value_errors() -> None:
+    with pytest.raises(ValueError, match="unit: .* has 2 sizes, not 3"):
+        wythe.tests.couplet_tension(unit="250x120")
+    with pytest.raises(ValueError, match="precompression: couplet-tension has no precompression"):
+        wythe.tests.couplet_tension(precompression=0.2)
+    with pytest.raises(ValueError, match="there is no test"):
+        wythe.tests.standard("brick")
+    with pytest.raises(ValueError, match="no table"):
+        wythe.tests.evaluate(wythe.templates.couplet().run())
