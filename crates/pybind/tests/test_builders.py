@@ -55,7 +55,7 @@ def test_a_wall_that_cracks(rows: type) -> None:
         joint=build.joint(
             0.2, 0.22, 0.75, 0.75, zeta=4.38, xi=1.1, u_k="0.36 mm", delta_k="0.4 mm"
         ),
-        steps=[build.preload("2.12 MPa"), build.push("4 mm", viscosity=0.0025)],
+        steps=[build.preload("2.12 MPa"), build.drive("4 mm", viscosity=0.0025)],
     )
     assert made == example("03")
 
@@ -95,7 +95,7 @@ def test_a_strip_under_an_airbag() -> None:
 
 
 def test_cycles_and_lines() -> None:
-    push = build.push(cycles={"amplitudes": ["1 mm", "2 mm"], "repeat": 2}, face="block.top", free=["z"])
+    push = build.drive(cycles={"amplitudes": ["1 mm", "2 mm"], "repeat": 2}, face="block.top", free=["z"])
     (step,) = example("41").to_dict()["steps"][1:]
     assert {key: step[key] for key in push if key != "cycles"} == {
         key: push[key] for key in push if key != "cycles"
@@ -119,8 +119,8 @@ def test_a_couplet() -> None:
         joint=JOINT,
         clamped={"bottom_courses": 0, "top_courses": 0},
         steps=[
-            build.push("0.006 mm", "z", name="peak"),
-            build.push("0.25 mm", "z", name="softening"),
+            build.drive("0.006 mm", "z", name="peak"),
+            build.drive("0.25 mm", "z", name="softening"),
         ],
     )
     assert made == template
@@ -197,7 +197,7 @@ def test_bonded_blocks() -> None:
         supports=[build.support("lower.bottom")],
         steps=[
             build.preload("0.5 MPa", face="upper.top"),
-            build.push("0.6 mm", face="upper.top", free=["z"]),
+            build.drive("0.6 mm", face="upper.top", free=["z"]),
         ],
     )
     assert made == example("08")
@@ -219,7 +219,7 @@ def test_an_imported_mesh() -> None:
         probes=[build.probe("slip", "x", on="couplet.UPPER.BED", minus="couplet.LOWER.TOP")],
         steps=[
             build.preload("0.5 MPa", face="couplet.UPPER.TOP"),
-            build.push("0.3 mm", face="couplet.UPPER.TOP", free=["z"]),
+            build.drive("0.3 mm", face="couplet.UPPER.TOP", free=["z"]),
         ],
     )
     assert made == example("50")
@@ -268,7 +268,7 @@ def test_a_pier_below_a_beam() -> None:
         steps=[
             build.gravity(),
             build.preload("0.5 MPa", beam="beam", name="press"),
-            build.push("5 mm", beam="beam", name="push"),
+            build.drive("5 mm", beam="beam", name="push"),
         ],
     )
     assert made == example("66", stone="brick", dry="joint")

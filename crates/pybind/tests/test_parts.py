@@ -38,7 +38,7 @@ def test_springs_probes_corners_and_all_that_steps_may_have() -> None:
         ],
         steps=[
             build.gravity("9.81 m/s^2", angle=1, axis="x"),
-            build.push(
+            build.drive(
                 "1 mm",
                 "-x",
                 spring="soft",

@@ -117,7 +117,7 @@ def test_a_model_without_interfaces() -> None:
         interfaces={},
         contacts=[],
         supports=[wythe.build.support("only.bottom")],
-        steps=[wythe.build.push("1 um", "z", face="only.top")],
+        steps=[wythe.build.drive("1 um", "z", face="only.top")],
     )
     run = alone.run()
     points = run.interfaces()

@@ -120,7 +120,7 @@ def test_probes_are_in_increments_and_history() -> None:
         probes=[wythe.build.probe("slip", "x", "upper.bottom", minus="lower.top")],
         steps=[
             wythe.build.preload("1 MPa", face="upper.top"),
-            wythe.build.push("0.02 mm", face="upper.top", free=["z"]),
+            wythe.build.drive("0.02 mm", face="upper.top", free=["z"]),
         ],
     )
     slips: list[float] = []

@@ -226,7 +226,7 @@ def preload(
     return {"kind": "preload", key: pressure, **_part(face=face, beam=beam, free=free), **options}
 
 
-def push(
+def drive(
     displacement: Quantity | None = None,
     direction: str = "x",
     *,

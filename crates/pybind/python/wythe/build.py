@@ -12,14 +12,10 @@ from typing import Any
 
 from wythe._model import Model, Value
 from wythe._parts import (
-    MotionOptions as MotionOptions,
-    Part as Part,
-    Quantity as Quantity,
-    Rows as Rows,
-    StepOptions as StepOptions,
     _part,
     by_name,
     damage_plasticity,
+    drive,
     dry_joint,
     elastic,
     free,
@@ -28,7 +24,6 @@ from wythe._parts import (
     load,
     loading,
     preload,
-    push,
     tilt,
 )
 
@@ -40,6 +35,7 @@ __all__ = [
     "by_name",
     "contact",
     "damage_plasticity",
+    "drive",
     "dry_joint",
     "elastic",
     "free",
@@ -57,6 +53,9 @@ __all__ = [
     "tilt",
     "wall",
 ]
+
+#: Earlier name of :func:`drive`.
+push = drive
 
 
 def block(
@@ -108,7 +107,7 @@ def beam(
 ) -> Part:
     """A stiff loading beam on horizontal faces, with the ``rotation`` ``"level"`` or ``"free"``.
 
-    It belongs to the table ``beams`` of :func:`wall` or :func:`blocks`; :func:`preload` and :func:`push` refer to it
+    It belongs to the table ``beams`` of :func:`wall` or :func:`blocks`; :func:`preload` and :func:`drive` refer to it
     by name.
     """
     return _part(name=name, on=on, depth=depth, interface=interface, rotation=rotation, density=density)
@@ -231,7 +230,7 @@ def wall(
     joint
         The interface (:func:`joint`, :func:`dry_joint`).
     steps
-        Load steps (:func:`preload`, :func:`push`, ...) in order.
+        Load steps (:func:`preload`, :func:`drive`, ...) in order.
     name, at, along
         Name of the wall (default ``"wall"``), its lowest corner [mm], and its axis, ``"x"`` or ``"y"``.
     bed_joint, head_joint
