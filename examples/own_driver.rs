@@ -9,7 +9,7 @@ use wythe::element::hexahedron::Face;
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::Model;
 use wythe::model::builder::{Block, BuildError, ModelBuilder};
-use wythe::model::scene::{BeamMotion, Increments, Step};
+use wythe::model::scene::{BeamMotion, Driven, Increments, Step};
 use wythe::solve::Stepper;
 
 /// Edges of a block [mm], and the number of blocks along the wall and upwards.
@@ -86,7 +86,7 @@ fn wall() -> Result<Model, BuildError> {
         wall.step(Step {
             name: name.to_owned(),
             motion: vec![motion],
-            driven: Some((0, 0)),
+            driven: Some(Driven::along(0, 0)),
             increments: Increments {
                 initial: size,
                 max: size,

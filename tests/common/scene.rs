@@ -8,8 +8,8 @@ use wythe::model::Model;
 pub use wythe::model::builder::Block;
 use wythe::model::builder::ModelBuilder;
 use wythe::model::scene::{
-    Beam, BeamMotion, ContactPoints, Fidelity, Gravity, Increments, Procedure, Rayleigh, Step,
-    Tangent, Tolerance,
+    Beam, BeamMotion, ContactPoints, Driven, Fidelity, Gravity, Increments, Procedure, Rayleigh,
+    Step, Tangent, Tolerance,
 };
 use wythe::solve::Recorder;
 use wythe::state::State;
@@ -129,7 +129,7 @@ pub fn step(motion: [BeamMotion; 3], driven: usize, increments: usize, tolerance
         name: "step".to_owned(),
         duration: 1.0,
         motion: vec![motion],
-        driven: Some((0, driven)),
+        driven: Some(Driven::along(0, driven)),
         increments: Increments {
             initial: size,
             max: size,

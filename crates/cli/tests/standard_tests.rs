@@ -300,3 +300,59 @@ fn a_turned_wall_behaves_as_the_upright_one() {
         }
     }
 }
+
+/// A couplet that is turned and sheared along its bed, by a face or by a spring, has the curve of the upright one.
+#[test]
+fn a_couplet_sheared_along_a_vector_has_the_curve_of_the_one_sheared_along_an_axis() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut curves = Vec::new();
+    for (degrees, by_spring) in [(0.0_f64, false), (30.0, false), (0.0, true), (-50.0, true)] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (drive, spring) = if by_spring {
+            (
+                "spring = \"jack\"",
+                "[[springs]]\nname = \"jack\"\non = \"wall-1-0\"\nstiffness = [1e6, 0, 1e6]\n",
+            )
+        } else {
+            ("face = \"wall-1-0.top\"", "")
+        };
+        let text = format!(
+            "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
+             [interfaces.joint]\nf_t = 0.3\nu_k = 0.3\nzeta = 4.38\nc = 0.25\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
+             mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 200\ncourses = 2\n\
+             unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = false\n\
+             rotate = {{ axis = \"-y\", angle = {degrees} }}\n[[supports]]\non = \"wall.bottom\"\n{spring}\
+             [[steps]]\nkind = \"drive\"\n{drive}\ndirection = [{}, 0, {}]\ndisplacement = 0.3\n",
+            2.0 * cos,
+            2.0 * sin
+        );
+        let deck = folder.path().join("vector.toml");
+        std::fs::write(&deck, text).unwrap();
+        let (deck, out) = (deck.display().to_string(), folder.path().join("vector.out"));
+        let run = wythe(&[
+            "run",
+            &deck,
+            "--quiet",
+            "--threads",
+            "1",
+            "--out",
+            &out.display().to_string(),
+        ]);
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+        let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+        let force = column(&history, "force_kN");
+        let way = column(&history, "displacement_mm");
+        let most = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        curves.push([most, *force.last().unwrap(), *way.last().unwrap()]);
+    }
+    for pair in [[0, 1], [2, 3]] {
+        let [a, b] = pair.map(|i| curves[i]);
+        assert!(
+            (a[2] - 0.3).abs() < 1e-12 && (b[2] - 0.3).abs() < 1e-12,
+            "{curves:?}"
+        );
+        // Peaks lie within increments.peak = 0.5 % of each other; residual forces follow the law.
+        assert!((a[0] / b[0] - 1.0).abs() < 5e-3, "{curves:?}");
+        assert!((a[1] - b[1]).abs() < 5e-3 * a[0], "{curves:?}");
+    }
+}

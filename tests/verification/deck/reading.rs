@@ -121,7 +121,10 @@ fn steps_move_the_beam_as_in_the_tests() {
     use BeamMotion::{Driven, Force, Locked};
     assert_eq!(preload.motion, [[Locked, Locked, Force(-2.12 * area)]]);
     assert_eq!(drive.motion, [[Driven(4.0), Locked, Locked]]);
-    assert_eq!([preload.driven, drive.driven], [Some((0, 0)), Some((0, 0))]);
+    assert_eq!(
+        [preload.driven, drive.driven],
+        [Some(wythe::model::scene::Driven::along(0, 0)); 2]
+    );
 
     let (model, _) = Model::from_deck(&load(
         "03_shear_wall_j7d",
@@ -136,7 +139,7 @@ fn steps_move_the_beam_as_in_the_tests() {
     let (model, _) = Model::from_deck(&load("01_couplet_tension", &[])).unwrap();
     for (step, by) in model.steps.iter().zip([0.006, 0.25]) {
         assert_eq!(step.motion, [[Locked, Locked, Driven(by)]]);
-        assert_eq!(step.driven, Some((0, 2)));
+        assert_eq!(step.driven, Some(wythe::model::scene::Driven::along(0, 2)));
     }
 }
 

@@ -273,8 +273,14 @@ displacement = 2
     assert_eq!(motions[1], [Driven(-3.0), Locked, Force(load)]);
     assert_eq!(motions[2], [Locked, Locked, Force(load)]);
     assert_eq!(motions[3], motions[2]);
-    assert_eq!(model.steps[0].driven, Some((0, 0)));
-    assert_eq!(model.steps[1].driven, Some((0, 0)));
+    assert_eq!(
+        model.steps[0].driven,
+        Some(wythe::model::scene::Driven::along(0, 0))
+    );
+    assert_eq!(
+        model.steps[1].driven,
+        Some(wythe::model::scene::Driven::along(0, 0))
+    );
     assert_eq!(model.springs[0].stiffness, [20.0, 0.0, 0.0]);
     assert_eq!(model.springs[0].nodes.len(), 30);
     assert_eq!(model.steps[3].springs, [[2.0, 0.0, 0.0]]);

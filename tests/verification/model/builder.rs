@@ -5,7 +5,7 @@ use std::sync::Arc;
 use wythe::element::hexahedron::Face;
 use wythe::material::{ElasticParameters, MaterialParameters};
 use wythe::model::builder::{BuildError, ModelBuilder};
-use wythe::model::scene::{BeamMotion, Step};
+use wythe::model::scene::{BeamMotion, Driven, Step};
 use wythe::solve::Stepper;
 use wythe::state::Status;
 
@@ -30,7 +30,7 @@ fn cube() -> ModelBuilder {
             BeamMotion::Locked,
             BeamMotion::Driven(0.1),
         ]],
-        driven: Some((0, 2)),
+        driven: Some(Driven::along(0, 2)),
         ..Step::default()
     });
     cube

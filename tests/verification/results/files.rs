@@ -9,8 +9,8 @@ use wythe_core::material::{ElasticParameters, MaterialParameters};
 use wythe_core::model::probes::Probe;
 use wythe_core::model::probes::ProbeQuantity;
 use wythe_core::model::scene::{
-    BeamMotion, ContactSurfaces, Fidelity, Gravity, GroundMotion, Increments, NamedMaterial,
-    Output, Procedure, Step, Tangent, Tolerance,
+    BeamMotion, ContactSurfaces, Driven, Fidelity, Gravity, GroundMotion, Increments,
+    NamedMaterial, Output, Procedure, Step, Tangent, Tolerance,
 };
 use wythe_core::model::sizes::Sizes;
 use wythe_core::model::{Mesh, Model};
@@ -73,7 +73,7 @@ fn model() -> Model {
                 BeamMotion::Locked,
                 BeamMotion::Locked,
             ]],
-            driven: Some((0, 0)),
+            driven: Some(Driven::along(0, 0)),
             increments: Increments {
                 initial: 0.25,
                 max: 0.25,

@@ -188,7 +188,11 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
     let mut jack = [0.0; 3];
     for step in plain.steps.iter().filter(|s| s.beam.as_ref() == Some(name)) {
         if let (Turning::Free, Some(direction)) = (beam.rotation, step.direction) {
-            jack[direction.axis().0] = laid.jack();
+            for (axis, part) in direction.unit().into_iter().enumerate() {
+                if part != 0.0 {
+                    jack[axis] = laid.jack();
+                }
+            }
         }
     }
     if jack != [0.0; 3] {

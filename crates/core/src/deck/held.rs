@@ -3,7 +3,7 @@
 use super::bodies::Bodies;
 use super::meeting::Touching;
 use super::overlap;
-use super::schema::{Deck, DeckProcedure, DeckStep, Direction, StepKind};
+use super::schema::{Deck, DeckProcedure, DeckStep, Heading, StepKind};
 use crate::error::{ErrorKind, ModelError, Warning};
 use crate::model::scene::{Beam, BeamMotion, Spring, Step, Support};
 
@@ -239,8 +239,8 @@ fn presses(deck: &Deck, step: &DeckStep) -> bool {
             pressures.into_iter().flatten().any(|p| p.get() > 0.0)
         }
         StepKind::Drive if deck.clamped().is_some() && step.face.is_none() => {
-            let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-            axis == 2 && step.displacement.is_some_and(|d| sign * d.get() < 0.0)
+            let along = step.direction.map_or([1.0, 0.0, 0.0], Heading::unit);
+            step.displacement.is_some_and(|d| along[2] * d.get() < 0.0)
         }
         StepKind::Drive => step.face.is_some(),
         StepKind::Gravity | StepKind::Tilt | StepKind::Free | StepKind::Load => true,

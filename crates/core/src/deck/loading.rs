@@ -6,10 +6,10 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckStep, Direction, Names, StepKind, Vertical};
+use super::schema::{Deck, DeckStep, Heading, Names, StepKind, Vertical};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::amplitude::Amplitude;
-use crate::model::scene::{Beam, BeamMotion, GroundMotion, Spring, Step, Stop, Support};
+use crate::model::scene::{Beam, BeamMotion, Driven, GroundMotion, Spring, Step, Stop, Support};
 
 /// Beams and steps of a scene.
 #[derive(Default)]
@@ -59,7 +59,7 @@ pub(super) fn loading(
             *motion = BeamMotion::Locked;
         }
         let mut far_ends = vec![[0.0; 3]; springs.len()];
-        let (axis, displacement) = driven_by(step);
+        let by = driven_by(step);
         let beam = beam_of(step);
         if let Some(b) = beam.filter(|_| step.face.is_none()) {
             let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
@@ -72,19 +72,20 @@ pub(super) fn loading(
             }
             now[b] = face_motion(step, beams[b].normal, load[b]);
         } else if let Some(name) = &step.spring {
-            match spring_of(deck, i, springs, name, axis) {
-                Ok(s) => far_ends[s][axis] = displacement,
+            match spring_of(deck, i, springs, name, by) {
+                Ok(s) => far_ends[s] = by,
                 Err(error) => errors.push(error),
             }
         }
         // The history records the driven face; before a drive, the face of the next drive.
         let driven = deck.steps[i..].iter().find_map(|s| {
-            (s.kind == StepKind::Drive).then(|| Some((beam_of(s)?, driven_by(s).0)))?
+            (s.kind == StepKind::Drive).then(|| Some(driven_along(beam_of(s)?, s)))?
         });
         // In a wall that is never driven it records the load on top.
-        let driven = driven.or_else(|| top.then_some((0, 2)).filter(|_| beam == Some(0)));
+        let upwards = || top.then_some(Driven::along(0, 2));
+        let driven = driven.or_else(|| upwards().filter(|_| beam == Some(0)));
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
-        let pressed = beam.and_then(|b| Some((b, normal(b)?)));
+        let pressed = beam.and_then(|b| Some(Driven::along(b, normal(b)?)));
         let rules = errors.keep(rules(deck, i, step, &mut gravity));
         steps.extend(rules.map(|rules| Step {
             motion: now.clone(),
@@ -113,26 +114,50 @@ fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 
         motion[2] = BeamMotion::Force(load);
     }
     if step.kind == StepKind::Drive {
-        let (axis, displacement) = driven_by(step);
-        motion[axis] = BeamMotion::Driven(displacement);
+        for (axis, by) in driven_axes(step) {
+            motion[axis] = BeamMotion::Driven(by);
+        }
     }
     motion
 }
 
-/// Axis and displacement of a drive [mm].
-fn driven_by(step: &DeckStep) -> (usize, f64) {
-    let (axis, sign) = step.direction.map_or((0, 1.0), Direction::axis);
-    (axis, sign * step.drive())
+/// Direction of a drive, of length 1.
+fn heading(step: &DeckStep) -> [f64; 3] {
+    step.direction.map_or([1.0, 0.0, 0.0], Heading::unit)
+}
+
+/// Displacement of a drive [mm]. `[xyz]`
+fn driven_by(step: &DeckStep) -> [f64; 3] {
+    heading(step).map(|part| part * step.drive())
+}
+
+/// Axes along which a drive moves its face, with the displacements [mm].
+fn driven_axes(step: &DeckStep) -> impl Iterator<Item = (usize, f64)> {
+    let (along, by) = (heading(step), driven_by(step));
+    (0..3)
+        .filter(move |axis| along[*axis] != 0.0)
+        .map(move |axis| (axis, by[axis]))
+}
+
+/// The face that a drive moves, and the line along which it does: positive along the first axis that it has a part of.
+fn driven_along(beam: usize, step: &DeckStep) -> Driven {
+    let along = heading(step);
+    let first = along.iter().find(|part| **part != 0.0);
+    let sign = first.map_or(1.0, |part| part.signum());
+    Driven {
+        beam,
+        direction: along.map(|part| if part == 0.0 { 0.0 } else { sign * part }),
+    }
 }
 
 /// Motion of a face that a step presses or drives, under its load [N].
 fn face_motion(step: &DeckStep, normal: [f64; 3], load: [f64; 3]) -> [BeamMotion; 3] {
-    let (axis, displacement) = driven_by(step);
+    let (along, by) = (heading(step), driven_by(step));
     let is_free = |d: usize| step.free.iter().flatten().any(|axis| axis.index() == d);
     [0, 1, 2].map(|d| {
         let pressed = step.kind == StepKind::Preload && normal[d].abs() > ALONG;
-        if step.kind == StepKind::Drive && d == axis {
-            BeamMotion::Driven(displacement)
+        if step.kind == StepKind::Drive && along[d] != 0.0 {
+            BeamMotion::Driven(by[d])
         } else if pressed || is_free(d) {
             BeamMotion::Force(load[d])
         } else {
@@ -141,13 +166,13 @@ fn face_motion(step: &DeckStep, normal: [f64; 3], load: [f64; 3]) -> [BeamMotion
     })
 }
 
-/// Index of the spring whose far end step `i` moves along `axis`.
+/// Index of the spring whose far end step `i` moves by these displacements. `[xyz]`
 fn spring_of(
     deck: &Deck,
     i: usize,
     springs: &[Spring],
     name: &str,
-    axis: usize,
+    by: [f64; 3],
 ) -> Result<usize, ModelError> {
     let Some(s) = springs.iter().position(|s| s.name == name) else {
         let path = format!("steps.{i}.spring");
@@ -156,7 +181,7 @@ fn spring_of(
             .error(&path, format!("there is no spring named `{name}`"), &help)
             .of_kind(ErrorKind::UnknownName));
     };
-    if springs[s].stiffness[axis] == 0.0 {
+    if (0..3).any(|axis| by[axis] != 0.0 && springs[s].stiffness[axis] == 0.0) {
         return Err(deck
             .error(
                 &format!("steps.{i}.direction"),

@@ -97,7 +97,8 @@ pub(super) fn notes(deck: &Deck) -> Vec<String> {
 fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
     let (along, through) = wall.axes();
     let axis = |direction: Option<Direction>| direction.map(|d| d.axis().0);
-    axis(step.direction) == Some(through)
+    step.direction
+        .is_some_and(|direction| direction.unit()[through] != 0.0)
         || axis(step.axis) == Some(along)
         || step.loads.iter().any(|load| is_across(load, name, through))
 }

@@ -19,7 +19,7 @@ use wythe_contact::InterfaceLaw;
 /// use wythe_core::element::hexahedron::Face;
 /// use wythe_core::material::{ElasticParameters, MaterialParameters};
 /// use wythe_core::model::builder::ModelBuilder;
-/// use wythe_core::model::scene::{BeamMotion, Step};
+/// use wythe_core::model::scene::{BeamMotion, Driven, Step};
 ///
 /// let mut wall = ModelBuilder::new("a block drawn out");
 /// let stone = ElasticParameters { E: 5000.0, nu: 0.2, density: 0.0 };
@@ -28,7 +28,7 @@ use wythe_contact::InterfaceLaw;
 /// wall.support("ground", block.face(Face::Bottom), [true; 3]);
 /// wall.beam("top", &[(&block, Face::Top)]);
 /// let motion = [BeamMotion::Locked, BeamMotion::Locked, BeamMotion::Driven(0.01)];
-/// wall.step(Step { motion: vec![motion], driven: Some((0, 2)), ..Step::default() });
+/// wall.step(Step { motion: vec![motion], driven: Some(Driven::along(0, 2)), ..Step::default() });
 /// assert_eq!(wall.build()?.mesh.elements.len(), 4);
 /// # Ok::<(), wythe_core::model::builder::BuildError>(())
 /// ```
@@ -445,9 +445,8 @@ fn check_step(model: &Model, step: &Step) -> Result<(), BuildError> {
     if !step.loads.is_empty() {
         count("loads", step.loads.len(), model.loads.len())?;
     }
-    if let Some((beam, axis)) = step.driven {
-        check_index(owner, "beam", beam, model.beams.len())?;
-        check_index(owner, "axis", axis, 3)?;
+    if let Some(driven) = step.driven {
+        check_index(owner, "beam", driven.beam, model.beams.len())?;
     }
     if let Some(control) = &step.control {
         check_index(owner, "probe", control.probe, model.probes.len())?;

@@ -202,6 +202,49 @@ pub enum BeamMotion {
     Driven(f64),
 }
 
+/// A beam, and the direction along which the history shows its displacement and force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Index of the beam.
+    pub beam: usize,
+    /// Direction, of length 1. `[xyz]`
+    pub direction: [f64; 3],
+}
+
+impl Driven {
+    /// A beam along an axis, 0 to 2.
+    pub fn along(beam: usize, axis: usize) -> Self {
+        Self {
+            beam,
+            direction: [0, 1, 2].map(|d| f64::from(u8::from(d == axis))),
+        }
+    }
+
+    /// Component of a vector along the direction; a direction along an axis takes that component unchanged.
+    pub fn component(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let all = self
+            .direction
+            .iter()
+            .enumerate()
+            .filter(|(_, part)| **part != 0.0);
+        let parts = all.map(|(axis, part)| part * of(axis));
+        parts.reduce(|sum, part| sum + part).unwrap_or_default()
+    }
+
+    /// Displacement that a step drives along the direction [mm]; none if it does not drive the beam.
+    pub fn way(&self, step: &Step) -> Option<f64> {
+        let motion = step.motion.get(self.beam)?;
+        let by = |axis: usize| match motion[axis] {
+            BeamMotion::Driven(by) => by,
+            BeamMotion::Locked | BeamMotion::Force(_) => 0.0,
+        };
+        let drives = |axis: usize| {
+            self.direction[axis] != 0.0 && matches!(motion[axis], BeamMotion::Driven(_))
+        };
+        (0..3).any(drives).then(|| self.component(by))
+    }
+}
+
 /// One step of the loading.
 #[derive(Clone, Debug)]
 // More than 15 fields: one for each setting of a step.
@@ -212,8 +255,8 @@ pub struct Step {
     pub duration: f64,
     /// Motion of each beam in x, y, z. `[beam][direction]`
     pub motion: Vec<[BeamMotion; 3]>,
-    /// Driven beam and direction of the force and displacement in the history.
-    pub driven: Option<(usize, usize)>,
+    /// Beam and direction of the force and displacement in the history.
+    pub driven: Option<Driven>,
     /// Sizes of the increments.
     pub increments: Increments,
     /// Viscosity of all damage-plastic solids in this step, if it exceeds their own [s].

@@ -6,7 +6,6 @@ use super::Curve;
 use super::branch::{self, Branch};
 use crate::experiment::{Experiment, Point};
 use crate::model::Model;
-use crate::model::scene::BeamMotion;
 
 /// Quantities read from a curve; displacements and forces are positive along the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -81,9 +80,8 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
 /// does not lie above the supports.
 pub fn clear_height(model: &Model) -> Option<f64> {
     let driven = model.steps.iter().find_map(|step| {
-        let (beam, axis) = step.driven?;
-        let moves = matches!(step.motion[beam][axis], BeamMotion::Driven(_));
-        (moves && axis != 2).then_some(beam)
+        let driven = step.driven?;
+        (driven.way(step).is_some() && driven.direction[2] == 0.0).then_some(driven.beam)
     })?;
     let height = |n: &u32| model.mesh.nodes[*n as usize][2];
     let beam = model.beams[driven].nodes.iter().map(height);

@@ -23,7 +23,7 @@ use super::{
 use crate::deck::Deck;
 use crate::files::{self, write_whole};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::model::scene::{Procedure, Step};
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::EnergyBalance;
@@ -381,9 +381,7 @@ fn is_driven(model: &Model, step: &Step) -> bool {
 
 /// Whether a step moves its driven beam. A preload only names the direction of the reported force.
 fn drives(step: &Step) -> bool {
-    step.driven.is_some_and(|(beam, direction)| {
-        matches!(step.motion[beam][direction], BeamMotion::Driven(_))
-    })
+    step.driven.is_some_and(|driven| driven.way(step).is_some())
 }
 
 impl Recorder for RunDirectory {

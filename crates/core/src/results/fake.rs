@@ -3,7 +3,7 @@
 use crate::element::Formulation;
 use crate::material::{ElasticParameters, MaterialParameters};
 use crate::model::scene::{
-    BeamMotion, Fidelity, Increments, NamedMaterial, Procedure, Step, Tangent,
+    BeamMotion, Driven, Fidelity, Increments, NamedMaterial, Procedure, Step, Tangent,
 };
 use crate::model::sizes::Sizes;
 use crate::model::{Mesh, Model};
@@ -38,7 +38,7 @@ pub fn model() -> Model {
         name: name.to_owned(),
         duration: 1.0,
         motion: vec![[x, BeamMotion::Locked, BeamMotion::Locked]],
-        driven: Some((0, 0)),
+        driven: Some(Driven::along(0, 0)),
         increments: Increments {
             initial: 0.1,
             max: 0.1,

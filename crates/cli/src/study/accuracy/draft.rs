@@ -167,7 +167,13 @@ fn compared(deck: &Deck, last: usize) -> Result<Compared, DraftError> {
         if drive.cycles.is_some() || drive.direction != step.direction {
             return Err(DraftError::NoCurve("it is driven to and fro"));
         }
-        let sign = drive.direction.map_or(1.0, |direction| direction.axis().1);
+        let sign = drive.direction.map_or(1.0, |direction| {
+            let along = direction.unit();
+            along
+                .into_iter()
+                .find(|part| *part != 0.0)
+                .map_or(1.0, f64::signum)
+        });
         way = [way[1], way[1] + sign * drive.drive()];
     }
     // The history counts displacement and force along the drive.

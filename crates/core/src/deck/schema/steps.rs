@@ -1,10 +1,10 @@
 //! `[[steps]]`: loads and drives of a scene, in order.
 
-use super::Names;
 use super::loads::{DeckAmplitude, DeckCycles, DeckLoad};
 use super::procedure::{
     DeckControl, DeckGround, DeckGroundFactor, DeckProcedure, DeckRayleigh, DeckStop,
 };
+use super::{Heading, Names};
 use crate::deck::quantity::{Acceleration, Angle, Length, Number, Pressure, Time};
 use crate::model::axis::Axis;
 use crate::model::scene::{Increments, Tangent, Tolerance};
@@ -25,7 +25,7 @@ pub struct DeckStep {
     /// Preload: pressure on the top [MPa], compression positive.
     pub top_pressure: Option<Pressure>,
     /// Drive: direction of the top beam.
-    pub direction: Option<Direction>,
+    pub direction: Option<Heading>,
     /// Drive: displacement of the top beam in this step [mm].
     pub displacement: Option<Length>,
     /// Drive in x or y: vertical motion of the beam; locked if absent.

@@ -5,7 +5,7 @@ use super::run::Run;
 use super::step_run::StepRun;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, HeldBy, Step};
+use crate::model::scene::{BeamMotion, Driven, HeldBy, Step};
 
 /// Whether a step drives a face or the end of a spring.
 pub(in crate::solve) fn drives(step: &Step) -> bool {
@@ -16,21 +16,36 @@ pub(in crate::solve) fn drives(step: &Step) -> bool {
 
 /// Sign of the direction in which beam displacements and forces are counted: that of the first step that drives the
 /// beam in this direction.
-pub(in crate::solve) fn sense_of_beam(steps: &[Step], beam: usize, direction: usize) -> f64 {
-    let mut by = steps.iter().filter_map(|step| step.motion.get(beam));
-    let sense = by.find_map(|motion| match motion[direction] {
-        BeamMotion::Driven(by) if by != 0.0 => Some(by.signum()),
-        _ => None,
-    });
-    sense.unwrap_or(1.0)
+pub(in crate::solve) fn sense_of_beam(steps: &[Step], driven: Driven) -> f64 {
+    let mut ways = steps.iter().filter_map(|step| driven.way(step));
+    ways.find(|by| *by != 0.0).map_or(1.0, f64::signum)
 }
 
-/// The same for the driven end of a spring.
-pub(in crate::solve) fn sense_of_spring(steps: &[Step], spring: usize, direction: usize) -> f64 {
-    let by = steps.iter().filter_map(|step| step.springs.get(spring));
-    by.map(|by| by[direction])
+/// The same for the driven end of a spring: `driven` has its index in place of that of a beam.
+pub(in crate::solve) fn sense_of_spring(steps: &[Step], driven: Driven) -> f64 {
+    let by = steps
+        .iter()
+        .filter_map(|step| step.springs.get(driven.beam));
+    by.map(|by| driven.component(|axis| by[axis]))
         .find(|by| *by != 0.0)
         .map_or(1.0, f64::signum)
+}
+
+/// Spring whose end a step drives, in place of a beam, and the line along which it does.
+pub(in crate::solve) fn driven_end(step: &Step) -> Option<Driven> {
+    let mut ends = step.springs.iter().enumerate();
+    ends.find_map(|(spring, by)| {
+        let mut axes = (0..3).filter(|axis| by[*axis] != 0.0);
+        let first = axes.next()?;
+        if axes.next().is_none() {
+            return Some(Driven::along(spring, first));
+        }
+        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt() * by[first].signum();
+        Some(Driven {
+            beam: spring,
+            direction: by.map(|by| by / length),
+        })
+    })
 }
 
 /// The same for a displacement that steers a load.
@@ -65,18 +80,16 @@ impl Run<'_> {
             return (displacement, force, 0.0);
         }
         let (state, dofs) = (&self.state, &self.system.dofs);
-        let Some((beam, direction)) = self.driven_beam(step) else {
+        let Some(driven) = self.driven_beam(step) else {
             return self.driven_spring(step);
         };
-        let slot = dofs.beam_slot(beam, direction);
-        let normal = self.model.beams[beam].normal;
-        let normal: f64 = (0..3)
-            .map(|i| normal[i] * state.applied[dofs.beam_slot(beam, i)])
-            .sum();
-        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        let slot = |axis| dofs.beam_slot(driven.beam, axis);
+        let normal = self.model.beams[driven.beam].normal;
+        let normal: f64 = (0..3).map(|i| normal[i] * state.applied[slot(i)]).sum();
+        let sense = sense_of_beam(&self.model.steps, driven);
         (
-            along(sense, state.q[slot]),
-            along(sense, state.applied[slot]),
+            along(sense, driven.component(|axis| state.q[slot(axis)])),
+            along(sense, driven.component(|axis| state.applied[slot(axis)])),
             -normal,
         )
     }
@@ -85,14 +98,16 @@ impl Run<'_> {
     pub(in crate::solve) fn driving_force(&self, step_run: &StepRun) -> f64 {
         let (system, trial) = (&self.system, &self.trial);
         match self.driven_beam(step_run.index) {
-            Some((beam, direction)) => {
-                let slot = system.dofs.beam_slot(beam, direction);
-                let sense = sense_of_beam(&self.model.steps, beam, direction);
-                along(sense, step_run.newton.applied(system, trial, slot))
+            Some(driven) => {
+                let slot = |axis| system.dofs.beam_slot(driven.beam, axis);
+                let sense = sense_of_beam(&self.model.steps, driven);
+                let applied = |axis| step_run.newton.applied(system, trial, slot(axis));
+                along(sense, driven.component(applied))
             }
-            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
-                let sense = sense_of_spring(&self.model.steps, s, i);
-                along(sense, system.spring_forces(trial)[s][i])
+            None => self.driven_end(step_run.index).map_or(0.0, |driven| {
+                let sense = sense_of_spring(&self.model.steps, driven);
+                let force = system.spring_forces(trial)[driven.beam];
+                along(sense, driven.component(|axis| force[axis]))
             }),
         }
     }
@@ -101,14 +116,15 @@ impl Run<'_> {
     pub(in crate::solve) fn driven_way(&self, step_run: &StepRun) -> f64 {
         let (system, trial, steps) = (&self.system, &self.trial, &self.model.steps);
         match self.driven_beam(step_run.index) {
-            Some((beam, direction)) => {
-                let slot = system.dofs.beam_slot(beam, direction);
-                let sense = sense_of_beam(steps, beam, direction);
-                along(sense, step_run.newton.q()[slot] - self.state.q[slot])
+            Some(driven) => {
+                let slot = |axis| system.dofs.beam_slot(driven.beam, axis);
+                let way = |axis| step_run.newton.q()[slot(axis)] - self.state.q[slot(axis)];
+                along(sense_of_beam(steps, driven), driven.component(way))
             }
-            None => self.driven_end(step_run.index).map_or(0.0, |(s, i)| {
-                let way = trial.spring_ends[s][i] - self.state.spring_ends[s][i];
-                along(sense_of_spring(steps, s, i), way)
+            None => self.driven_end(step_run.index).map_or(0.0, |driven| {
+                let (now, then) = (&trial.spring_ends, &self.state.spring_ends);
+                let way = |axis: usize| now[driven.beam][axis] - then[driven.beam][axis];
+                along(sense_of_spring(steps, driven), driven.component(way))
             }),
         }
     }
@@ -116,15 +132,15 @@ impl Run<'_> {
     /// Rise of the driving force that the first tangent predicts for the increment that ends at the trial [N]; none
     /// if the increment did not start from that tangent or no face is driven.
     pub(in crate::solve) fn linear_rise(&self, step_run: &StepRun) -> Option<f64> {
-        let (beam, direction) = self.driven_beam(step_run.index)?;
-        let slot = self.system.dofs.beam_slot(beam, direction);
-        let sense = sense_of_beam(&self.model.steps, beam, direction);
+        let driven = self.driven_beam(step_run.index)?;
+        let sense = sense_of_beam(&self.model.steps, driven);
         let forces = step_run.newton.linear_forces()?;
-        Some(along(sense, forces[slot]))
+        let force = |axis| forces[self.system.dofs.beam_slot(driven.beam, axis)];
+        Some(along(sense, driven.component(force)))
     }
 
     /// Beam whose motion the history shows, and its direction: that of the step, else of another step.
-    fn driven_beam(&self, step: usize) -> Option<(usize, usize)> {
+    fn driven_beam(&self, step: usize) -> Option<Driven> {
         let steps = &self.model.steps;
         steps[step]
             .driven
@@ -132,21 +148,23 @@ impl Run<'_> {
     }
 
     /// Spring whose end is driven in the step, else in another, and its direction.
-    fn driven_end(&self, step: usize) -> Option<(usize, usize)> {
-        let steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
-        steps
-            .flat_map(|step| step.springs.iter().enumerate())
-            .find_map(|(s, by)| Some((s, (0..3).find(|&i| by[i] != 0.0)?)))
+    fn driven_end(&self, step: usize) -> Option<Driven> {
+        let mut steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
+        steps.find_map(driven_end)
     }
 
     /// Displacement of the driven end of a spring [mm], its force along the drive [N], and 0, where a step drives a
     /// spring and no face.
     fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
-        self.driven_end(step).map_or((0.0, 0.0, 0.0), |(s, i)| {
-            let sense = sense_of_spring(&self.model.steps, s, i);
+        self.driven_end(step).map_or((0.0, 0.0, 0.0), |driven| {
+            let sense = sense_of_spring(&self.model.steps, driven);
+            let part = |all: &[[f64; 3]]| {
+                let of = all[driven.beam];
+                along(sense, driven.component(|axis| of[axis]))
+            };
             (
-                along(sense, self.state.spring_ends[s][i]),
-                along(sense, self.state.spring_forces[s][i]),
+                part(&self.state.spring_ends),
+                part(&self.state.spring_forces),
                 0.0,
             )
         })

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::history_row::{sense_of_beam, sense_of_control, sense_of_spring};
-use crate::model::scene::{BeamMotion, Step, Stop};
+use super::history_row::{driven_end, sense_of_beam, sense_of_control, sense_of_spring};
+use crate::model::scene::{Step, Stop};
 
 /// Watches the drive or load of a step for the conditions that end it.
 ///
@@ -47,15 +47,11 @@ impl Watch {
         let stop = step.stop.unwrap_or_default();
         let of_beam = step
             .driven
-            .and_then(|(beam, i)| match step.motion[beam][i] {
-                BeamMotion::Driven(by) => Some(by * sense_of_beam(steps, beam, i)),
-                _ => None,
-            });
+            .and_then(|driven| Some(driven.way(step)? * sense_of_beam(steps, driven)));
         let of_spring = || {
-            let ends = step.springs.iter().enumerate();
-            let mut driven = ends.flat_map(|(s, by)| (0..3).map(move |i| (s, i, by[i])));
-            let (s, i, by) = driven.find(|(_, _, by)| *by != 0.0)?;
-            Some(by * sense_of_spring(steps, s, i))
+            let driven = driven_end(step)?;
+            let by = step.springs[driven.beam];
+            Some(driven.component(|axis| by[axis]) * sense_of_spring(steps, driven))
         };
         let loads = step.loads.iter().any(Option::is_some);
         let of_load = || {
@@ -129,6 +125,7 @@ impl Watch {
 mod tests {
     use super::*;
     use crate::model::amplitude::Amplitude;
+    use crate::model::scene::BeamMotion;
     use crate::results::fake;
 
     fn watch(stop: Stop, by: f64, start: f64) -> Watch {

@@ -3,7 +3,7 @@
 use super::Checks;
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
-use crate::deck::schema::{DeckProcedure, DeckStep, Direction, StepKind, Turning};
+use crate::deck::schema::{DeckProcedure, DeckStep, Direction, Heading, StepKind, Turning};
 use crate::model::scene::Tangent;
 
 /// Largest number of iterations of an increment.
@@ -56,7 +56,15 @@ impl Checks<'_> {
     fn pushes(&mut self, path: &str, step: &DeckStep) {
         let key = |name: &str| format!("{path}.{name}");
         let drive = step.kind == StepKind::Drive;
-        let horizontal = !matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
+        let rises = |direction: Heading| direction.unit()[2] != 0.0;
+        let horizontal = !step.direction.is_some_and(rises);
+        self.demand(
+            step.direction
+                .is_none_or(|direction| direction.unit() != [0.0; 3]),
+            &key("direction"),
+            || "a vector of length 0 is no direction".to_owned(),
+            &keys::example("direction"),
+        );
         self.require(
             step.vertical.is_none() || !drive || horizontal,
             &key("vertical"),
@@ -77,9 +85,9 @@ impl Checks<'_> {
         }
         self.positive(&key("gravity"), step.gravity);
         if let (Some(free), Some(direction), true) = (&step.free, step.direction, drive) {
-            let driven = direction.axis().0;
+            let driven = direction.unit();
             self.require(
-                free.iter().all(|axis| axis.index() != driven),
+                free.iter().all(|axis| driven[axis.index()] == 0.0),
                 &key("free"),
                 || "the direction that is driven cannot be free".to_owned(),
                 "name the other directions only",
@@ -414,7 +422,9 @@ impl Checks<'_> {
             || format!("`{name}` turns and moves freely but for what drives it"),
             "leave it out; `free` is of beams that stay level",
         );
-        let upright = matches!(step.direction, Some(Direction::Z | Direction::MinusZ));
+        let upright = step
+            .direction
+            .is_some_and(|direction| direction.unit()[2] != 0.0);
         self.require(
             !(turns && upright && step.kind == StepKind::Drive),
             &key("direction"),
