@@ -5,6 +5,7 @@ use super::options::Specimen;
 use super::text::{WallText, head, mm, point, tables, wall};
 
 /// A wallette between platens: two units long and at least five courses high.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 pub(super) fn wallette(specimen: &Specimen) -> Vec<SpecimenDeck> {
     let ([unit, thickness, height], joint) = (specimen.unit, specimen.joint);
     let bed = height + joint;

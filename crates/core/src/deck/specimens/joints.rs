@@ -131,6 +131,7 @@ vertical = "free"
 }
 
 /// Triplets of EN 1052-3, lying: the beds are level, the middle unit is pushed along them.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 pub(super) fn triplets(specimen: &Specimen) -> Vec<SpecimenDeck> {
     let [length, thickness, height] = specimen.unit;
     let bed = height + specimen.joint;
@@ -210,6 +211,7 @@ free = ["z"]
 }
 
 /// The bond wrench of EN 1052-5: a lever clamped to the upper of two units.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 pub(super) fn wrench(specimen: &Specimen) -> Vec<SpecimenDeck> {
     let [length, thickness, height] = specimen.unit;
     let bed = height + specimen.joint;

@@ -14,6 +14,7 @@ pub(super) fn two_way(specimen: &Specimen) -> Vec<SpecimenDeck> {
     deck(specimen, true)
 }
 
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 fn deck(specimen: &Specimen, two_way: bool) -> Vec<SpecimenDeck> {
     let ([unit, thickness, height], joint) = (specimen.unit, specimen.joint);
     let (pitch, bed) = (unit + joint, height + joint);

@@ -5,6 +5,7 @@ use super::options::Specimen;
 use super::text::{WallText, head, mm, tables, wall};
 
 /// A dry wall on a table that tilts about an axis along its thickness.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 pub(super) fn table(specimen: &Specimen) -> Vec<SpecimenDeck> {
     let [unit, thickness, height] = specimen.unit;
     let [length, up] = specimen.size.unwrap_or([4.0 * unit, 8.0 * height]);

@@ -16,6 +16,7 @@ fn fitted(specimen: &Specimen, default: [f64; 2]) -> (f64, u32, f64) {
 }
 
 /// A square wall pressed along its diagonal: it stands on a corner.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 pub(super) fn diagonal(specimen: &Specimen) -> Vec<SpecimenDeck> {
     let (length, courses, height) = fitted(specimen, [1200.0, 1200.0]);
     let thickness = specimen.unit[1];
@@ -123,6 +124,7 @@ struct Shoes {
 
 impl Shoes {
     /// Blocks, contacts and supports; `turned` places a point of the wall.
+    #[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
     fn text(&self, turned: impl Fn([f64; 3]) -> [f64; 3]) -> String {
         let Self {
             bearing: b,
@@ -277,6 +279,7 @@ fn shear(specimen: &Specimen, top: Top) -> Vec<SpecimenDeck> {
 const DRIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.3, 0.4, 0.6];
 
 /// The table `[test]`, the beam and the steps.
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 fn steps(specimen: &Specimen, top: Top, p: &str, [length, height]: [f64; 2]) -> String {
     let sizes = [length, specimen.unit[1], height].map(mm);
     let mut text = String::new();

@@ -3,6 +3,7 @@
 use super::line::Line;
 use super::run::{EvaluationError, TestRun};
 use super::{RunValues, TestValue};
+use crate::deck::quantity::Quantity;
 use crate::deck::schema::TestKind;
 
 /// Part of the largest force at which moduli are read, by EN 1052-1.
@@ -191,7 +192,7 @@ fn flexure(run: &TestRun) -> Values {
     let force = run.column("first_kN")?[row] + run.column("second_kN")?[row];
     let width = run.size("length", run.test.length)?;
     let thickness = run.size("thickness", run.test.thickness)?;
-    let Some([outer, inner]) = run.test.spans.map(|spans| spans.map(|span| span.get())) else {
+    let Some([outer, inner]) = run.test.spans.map(|spans| spans.map(Quantity::get)) else {
         let run = run.name.clone();
         return Err(EvaluationError::NoSize { run, key: "spans" });
     };

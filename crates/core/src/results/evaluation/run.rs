@@ -1,6 +1,7 @@
 //! A run of a standard test: its sizes, its history, its gauges.
 
 use crate::deck::Deck;
+use crate::deck::quantity::Quantity;
 use crate::deck::schema::DeckTest;
 use crate::element::hexahedron::{difference, norm};
 use crate::error::ModelError;
@@ -135,11 +136,11 @@ impl TestRun {
     pub(super) fn size<const L: i8, const M: i8, const T: i8, const A: i8>(
         &self,
         key: &'static str,
-        value: Option<crate::deck::quantity::Quantity<L, M, T, A>>,
+        value: Option<Quantity<L, M, T, A>>,
     ) -> Result<f64, EvaluationError> {
         let run = || self.name.clone();
         value
-            .map(|value| value.get())
+            .map(Quantity::get)
             .ok_or_else(|| EvaluationError::NoSize { run: run(), key })
     }
 
