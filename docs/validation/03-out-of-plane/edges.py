@@ -195,7 +195,7 @@ def chart(all_: list[Measured]) -> None:
         axes.plot(x, [m.largest for m in some], "o-", color=colour, label=f"c = {c:.2f} MPa: largest to 2.5 mm")
         axes.plot(x, [m.at for m in some], "s--", color=colour, mfc="white", label=f"c = {c:.2f} MPa: at {AT:g} mm")
     axes.axhline(TEST, color="black", lw=1)
-    axes.text(ends["free"], TEST * 1.04, "the test, slightly before failure", va="bottom")
+    axes.text(ends["rigid"], TEST * 1.02, "the test, slightly before failure", va="bottom", ha="right")
     axes.set_xscale("log")
     axes.set_yscale("log")
     ticks = [ends["free"], *STIFFNESS, ends["rigid"]]
