@@ -1,5 +1,5 @@
-//! The two shear walls of the paper's section 5.1, and the same wall under the pressure of J6D, from their decks to 4 mm,
-//! without fitted parameters.
+//! The two shear walls of the paper's section 5.1 and the same wall under the pressure of J6D, from their decks to
+//! 4 mm, without fitted parameters.
 
 use std::path::Path;
 
@@ -110,7 +110,7 @@ fn j6d_lies_between_and_is_crushed() {
     let (model, recording) = pushed("92_shear_wall_j6d.toml");
     let peak = peak(&recording);
     holds(peak, 82.8);
-    // A run with 160 elements a unit; 10 % is the error that `wythe run --error` states, nearly all of it due to the mesh.
+    // A run with 160 elements a unit; 10 % is the error that `wythe run --error` states, nearly all of it of the mesh.
     assert!((peak / 77.0 - 1.0).abs() < 0.10, "{peak}");
     // The strut is that of J7D.
     let alignment = alignment(&model, &recording);
