@@ -110,8 +110,9 @@ fn j6d_lies_between_and_is_crushed() {
     let (model, recording) = pushed("92_shear_wall_j6d.toml");
     let peak = peak(&recording);
     holds(peak, 82.8);
-    // A run with 160 elements a unit; 10 % is the error that `wythe run --error` states, nearly all of it of the mesh.
-    assert!((peak / 77.0 - 1.0).abs() < 0.10, "{peak}");
+    // The run with 540 elements a unit. Coarse elements carry 4 % more here, within the 10 % that `wythe run --error`
+    // states; runs with 160 and 540 elements differ by 3.5 %.
+    assert!((peak / 79.7 - 1.0).abs() < 0.05, "{peak}");
     // The strut is that of J7D.
     let alignment = alignment(&model, &recording);
     assert!(alignment < -0.5, "{alignment}");
