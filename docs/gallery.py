@@ -23,7 +23,7 @@ COLUMNS = 3
 WIDTH = 420  # pixels of a picture
 
 #: Walls that fail in their plane are drawn as elevations with their failed joints, loops as curves, others in space.
-ELEVATIONS = ("03", "04", "42", "60", "61", "63", "82", "83")
+ELEVATIONS = ("03", "04", "42", "60", "61", "63", "82", "83", "92")
 CURVES = ("41", "79", "80")
 #: Part of the run at which the picture is taken, where the end shows less.
 MOMENTS = {"30": 0.8, "89": 0.8, "90": 0.85}

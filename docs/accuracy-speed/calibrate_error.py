@@ -26,7 +26,7 @@ RUNS = ROOT / "target" / "error"
 BEGIN, END = "<!-- calibration -->", "<!-- end of calibration -->"
 #: Twice the estimate is the bound that a user is promised.
 BOUND = 2.0
-PROJECTED = tuple(f"materials.{name}.crack_band=projected" for name in ("brick", "mortar"))
+VOLUME = tuple(f"materials.{name}.crack_band=volume" for name in ("brick", "mortar"))
 
 Point = tuple[float, float]
 
@@ -69,15 +69,15 @@ SCENES = (
     Scene("couplet", "01-couplet", "wall.mesh", (0.005, 0.0125), displacement=0.0002, meshes=("[3, 2, 1]",)),
     Scene(
         "small wall", "02-small-wall", "wall.mesh", (0.005, 0.0125),
-        meshes=("[5, 2, 2]", "[4, 2, 2]", "[9, 4, 2]"), others={"projected": PROJECTED},
+        meshes=("[5, 2, 2]", "[4, 2, 2]", "[9, 4, 2]"), others={"volume": VOLUME},
     ),
     Scene(
         "J7D", "03-shear-wall-j7d", "wall.mesh", (0.005, 0.0125),
-        meshes=("[4, 2, 2]", "[7, 3, 2]"), others={"projected": PROJECTED},
+        meshes=("[4, 2, 2]", "[7, 3, 2]"), others={"volume": VOLUME},
     ),
     Scene(
         "J4D", "05-shear-wall-j4d", "wall.mesh", (0.005, 0.0125),
-        meshes=("[4, 2, 2]", "[6, 3, 2]"), others={"projected": PROJECTED},
+        meshes=("[4, 2, 2]", "[6, 3, 2]"), others={"volume": VOLUME},
     ),
     Scene("airbag", "04-out-of-plane", "wall.mesh", (0.0004, 0.05), factor=AIRBAG, meshes=("[5, 2, 2]",)),
     Scene("arch", "06-arch", "arch.mesh", (0.002, 0.02), meshes=("[2, 1, 2]",)),

@@ -2,6 +2,7 @@
 
     python docs/validation/11-blind/blind.py               # runs what target/blind lacks, writes results.csv and the page
     python docs/validation/11-blind/blind.py decks         # writes the decks into target/blind only
+    python docs/validation/11-blind/blind.py drifts        # drifts.csv from the runs that there are, and the page
     python docs/validation/11-blind/blind.py page          # the page alone, from results.csv
 
 It needs the package wythe and matplotlib. All runs take some tens of minutes on one core.
@@ -397,10 +398,7 @@ def vary() -> None:
                 values.append(wythe.Results(out).peak_force / base - 1.0)
                 print(name, what, f"{values[-1]:+.3f}", flush=True)
             rows.append({"wall": name, "input": what, "scatter": scatter, "less": round(values[0], 4), "more": round(values[1], 4)})
-    with (HERE / "sensitivity.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write("sensitivity.csv", rows)
 
 
 def sensitivity() -> list[str]:
@@ -417,6 +415,13 @@ def sensitivity() -> list[str]:
         bands.append(f"± {100 * math.sqrt(sum(x * x for x in spread)):.0f} %")
     lines.append("| all, as independent | " + " | ".join(bands) + " |")
     return lines
+
+
+def write(name: str, rows: list[dict[str, object]]) -> None:
+    with (HERE / name).open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def read(name: str) -> list[Row]:
@@ -456,6 +461,102 @@ def summary_row(name: str, rows: list[Row]) -> str:
     spread = ratio.std(ddof=1) / ratio.mean() if len(ratio) > 1 else math.nan
     cov = f"{100 * spread:.0f} %" if len(ratio) > 1 else ""
     return f"| {name} | {len(rows)} | {ratio.mean():.2f} | {cov} | {100 * first:.0f} % | {100 * right:.0f} % | {100 * close:.0f} % |"
+
+
+def secant(u: np.ndarray, force: np.ndarray, level: float) -> float:
+    """Force over displacement where a curve from the origin first reaches a force; none if it does not."""
+    for i in range(len(force) - 1):
+        if force[i] < level <= force[i + 1]:
+            return level / (u[i] + (u[i + 1] - u[i]) * (level - force[i]) / (force[i + 1] - force[i]))
+    return math.nan
+
+
+def measured_stiffness(wall: Wall, points: list[Row]) -> float:
+    """Secant stiffness of the measured envelope at half of its largest force, mean of both directions [kN/mm]."""
+    these = [r for r in points if (r["source"], r["wall"]) == (wall.text("source"), wall.text("wall"))]
+    found = []
+    for sign in (1, -1):
+        side = sorted((sign * float(r["displacement_mm"]), sign * float(r["force_kN"])) for r in these)
+        side = [(0.0, 0.0), *(point for point in side if point[0] > 0.0)]
+        u, force = np.array(side).T
+        found.append(secant(u, force, 0.5 * wall.measured("V")))
+    return float(np.nanmean(found)) if not np.all(np.isnan(found)) else math.nan
+
+
+def drift_rows() -> list[dict[str, object]]:
+    """A row of drifts.csv for each wall: the drifts between which its run carries 0.95 of its peak, and stiffnesses."""
+    results = {(r["source"], r["wall"]): r for r in read("results.csv")}
+    points = read("curves.csv")
+    rows = []
+    for wall in walls():
+        history = wythe.Results(run(wall)).history
+        u, force = (np.concatenate([[0.0], x[history.driven]]) for x in (history.displacement_mm, history.force_kN))
+        peak = float(results[wall.text("source"), wall.text("wall")]["V_kN"])
+        near = np.flatnonzero(force >= 0.95 * peak)
+        stiffness = (secant(u, force, 0.5 * peak), measured_stiffness(wall, points))
+        rows.append({
+            "source": wall.text("source"), "wall": wall.text("wall"),
+            "from_pct": round(100.0 * u[near[0]] / wall.height, 3), "to_pct": round(100.0 * u[near[-1]] / wall.height, 3),
+            "end_pct": round(100.0 * u.max() / wall.height, 3),
+            "k_kN_mm": f"{stiffness[0]:.4g}", "k_test_kN_mm": "" if math.isnan(stiffness[1]) else f"{stiffness[1]:.4g}",
+        })  # fmt: skip
+    return rows
+
+
+def drift_groups(rows: list[Row]) -> list[tuple[str, list[Row]]]:
+    """Rows by what the section on drifts compares."""
+    kind = {(w.text("source"), w.text("wall")): w for w in walls()}
+    of = lambda row: kind[row["source"], row["wall"]]
+    bricks = [r for r in rows if of(r).text("set") == "brick"]
+    stones = [r for r in rows if of(r).text("set") == "stone"]
+    out = [
+        ("all walls", rows),
+        ("bricks, general-purpose mortar", [r for r in bricks if of(r).text("bed") == "GP"]),
+        ("bricks, thin layers", [r for r in bricks if of(r).text("bed") == "TL"]),
+        ("stones, lime mortar", [r for r in stones if of(r).text("bed") == "GP"]),
+        ("stones, dry, cyclic tests", [r for r in stones if of(r).text("bed") == "dry" and r["source"] != "Lourenco2005"]),
+        ("stones, dry, monotonic tests", [r for r in rows if r["source"] == "Lourenco2005"]),
+        ("double bending", [r for r in rows if of(r).number("H0_over_H") < 1.0]),
+        ("cantilevers", [r for r in rows if of(r).number("H0_over_H") >= 1.0]),
+        ("tests in shear alone", [r for r in rows if of(r).modes == {"S"}]),
+        ("tests in flexure alone", [r for r in rows if of(r).modes == {"F"}]),
+        ("other tests", [r for r in rows if of(r).modes not in ({"S"}, {"F"})]),
+    ]
+    for name in dict.fromkeys(r["source"] for r in rows):
+        out.append((name, [r for r in rows if r["source"] == name]))
+    return out
+
+
+def drift_row(name: str, rows: list[Row], also: dict[tuple[str, str], Row]) -> str:
+    """Ratios of the drifts of a group, and where the measured drifts lie."""
+    extra = [also[r["source"], r["wall"]] for r in rows]
+    test, own = (np.array([float(r[c]) for r in rows]) for c in ("drift_test_pct", "drift_pct"))
+    low, high = (np.array([float(e[c]) for e in extra]) for c in ("from_pct", "to_pct"))
+    lower, middle, upper = np.percentile(own / test, (16, 50, 84))
+    inside = int(((test >= low) & (test <= high)).sum())
+    near = int(((2.0 * test >= low) & (test <= 2.0 * high)).sum())
+    curves = np.array([bool(e["k_test_kN_mm"]) for e in extra])
+    said = " | "
+    if curves.any():
+        stiffness = np.array([float(e["k_kN_mm"]) / float(e["k_test_kN_mm"]) for e in extra if e["k_test_kN_mm"]])
+        softened = own[curves] * stiffness / test[curves]
+        close = int(((softened >= 0.5) & (softened <= 2.0)).sum())
+        said = f"{np.median(stiffness):.1f} | {np.median(softened):.2f}, {close} of {curves.sum()}"
+    return (
+        f"| {name} | {len(rows)} | {middle:.2f} | {lower:.2f} to {upper:.2f} | {int((test > 1.0).sum())} "
+        f"| {int((test < low).sum())}, {inside}, {int((test > high).sum())} | {near} | {said} |"
+    )
+
+
+def drifts(rows: list[Row]) -> list[str]:
+    """Table of the drifts at the largest force."""
+    also = {(r["source"], r["wall"]): r for r in read("drifts.csv")}
+    lines = [
+        "| Walls | Number | Ratio of drifts, median | 16 to 84 % | Measured above 1 % | Measured below, within, above the flat top "
+        "| Within a factor of 2 of it | Stiffness, run over test | Ratio times this: median, within a factor of 2 |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    return lines + [drift_row(name, these, also) for name, these in drift_groups(rows) if these]
 
 
 def matrix(rows: list[Row]) -> list[str]:
@@ -538,7 +639,7 @@ def page() -> None:
             f"| {r['source']} {r['wall']}{dagger} | {r['V_test_kN']} | {r['V_kN']}{ended} | {r['ratio']} | {r['drift_test_pct']} "
             f"| {r['drift_pct']} | {r['mode_test']} | {names[r['mode']]} | {r['solves']}, {r['cpu_s']} s |"
         )
-    for mark, lines in (("summary", summary), ("modes", matrix(rows)), ("walls", long), ("sensitivity", sensitivity())):
+    for mark, lines in (("summary", summary), ("modes", matrix(rows)), ("walls", long), ("sensitivity", sensitivity()), ("drifts", drifts(rows))):
         text = text.replace(f"<!-- {mark} -->", "\n".join(lines))
     (HERE / "README.md").write_text(text)
 
@@ -558,12 +659,10 @@ def main() -> None:
     if task in ("vary", "all"):
         vary()
     if task in ("table", "all"):
-        rows = table()
-        with (HERE / "results.csv").open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-    if task in ("page", "table", "all"):
+        write("results.csv", table())
+    if task in ("drifts", "all"):
+        write("drifts.csv", drift_rows())
+    if task in ("page", "drifts", "table", "all"):
         page()
 
 
