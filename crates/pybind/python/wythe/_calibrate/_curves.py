@@ -32,10 +32,10 @@ class Response:
 
         Beyond its end a run that lost convergence or collapsed carries nothing; a whole run keeps its last force.
         """
-        if self.whole:
-            return np.interp(x, self.x, self.y)
-        end = self.x[-1] * (1.0 + ROUNDING)
-        return np.where(x <= end, np.interp(x, self.x, self.y), 0.0)
+        found: Floats = np.interp(x, self.x, self.y)
+        if not self.whole:
+            found[x > self.x[-1] * (1.0 + ROUNDING)] = 0.0
+        return found
 
 
 def response(test: CurveTest, run: Run) -> Response | None:
@@ -45,8 +45,8 @@ def response(test: CurveTest, run: Run) -> Response | None:
     for column, key in ((test.x, "x"), (test.y, "y")):
         if column.name not in run.columns:
             raise CalibrationError(
-                f"the history of test `{test.name}` has no column `{column.name}`",
-                key=f"tests.{key}",
+                f"the history of the runs has no column `{column.name}`",
+                key=key,
                 fix="name a column of history.csv, or a probe of the deck",
             )
     x = test.x.sign * run.columns[test.x.name]
@@ -54,11 +54,13 @@ def response(test: CurveTest, run: Run) -> Response | None:
     taken = run.columns["driven"].astype(bool)
     if test.steps is not None:
         taken = np.isin(run.columns["step"], test.steps)
+    # A probe may have no number in some rows.
+    taken &= np.isfinite(x) & np.isfinite(y)
     if not np.any(taken):
         return None
     first = int(np.argmax(taken))
     # The state in which the drive begins: of the row before it, or at rest.
-    before = (x[first - 1], y[first - 1]) if first > 0 else (0.0, 0.0)
+    before = np.nan_to_num([x[first - 1], y[first - 1]]) if first > 0 else (0.0, 0.0)
     x, y = np.append(before[0], x[taken]), np.append(before[1], y[taken])
     # On the way out only: rows behind the farthest one are left out.
     out = x >= np.maximum.accumulate(x)
@@ -95,14 +97,15 @@ class Window:
         Each curve has its points, then its peak if that counts. Shape (rows,).
         """
         if found is None:
-            return np.full(self.rows, BAD) * np.sqrt(self.test.weight)
+            return np.full(self.rows, BAD * self.test.weight**0.5)
         parts: list[Floats] = []
         for curve in self.curves:
             parts.append((found.at(curve.displacement) - curve.force) / curve.peak)
             if self.test.peak > 0.0:
                 share = self.peak(found, curve) / curve.peak - 1.0
                 parts.append(np.array([np.sqrt(self.test.peak) * share]))
-        return np.sqrt(self.test.weight) * np.concatenate(parts)
+        rows: Floats = self.test.weight**0.5 * np.concatenate(parts)
+        return rows
 
     def peak(self, found: Response, curve: Curve) -> float:
         """Largest force of a run over the displacements of a curve."""
@@ -126,8 +129,8 @@ def window(test: CurveTest, start: Response | None) -> tuple[Window, list[str]]:
         lost = int(np.count_nonzero(inside) - np.count_nonzero(kept))
         if np.count_nonzero(kept) < 3 or np.max(curve.force[kept]) <= 0.0:
             raise CalibrationError(
-                f"the deck of test `{test.name}` drives to {reach:.4g}, before the points of {curve.name}",
-                key="tests.curves",
+                f"the deck drives to {reach:.4g}, so that {np.count_nonzero(kept)} points of {curve.name} count",
+                key="curves",
                 fix="drive the deck farther, or check the unit of the displacements",
             )
         if lost:

@@ -66,14 +66,14 @@ def fitted(problem: Problem, say: Callable[[str], None]) -> Fit:
     priors = any(parameter.prior is not None for parameter in problem.job.parameters)
     noise = NOISE if settings.noise is None else settings.noise
     positions, scale, iterations = problem.start, noise, 0
-    for _ in range(PASSES):
+    for number in range(1, PASSES + 1):
         answer = _least_squares(problem, positions, scale, say)
         positions, iterations = answer.x, iterations + int(answer.nfev)
         fit = _judged(problem, answer, iterations)
-        if not priors or abs(fit.scale / scale - 1.0) < SETTLED:
-            break
+        if not priors or number == PASSES or abs(fit.scale / scale - 1.0) < SETTLED:
+            return fit
         scale = fit.scale
-    return fit
+    raise AssertionError("the last pass returns")
 
 
 def _least_squares(problem: Problem, start: Floats, scale: float, say: Callable[[str], None]) -> Any:
@@ -108,8 +108,9 @@ def _judged(problem: Problem, answer: Any, iterations: int) -> Fit:
     positions = np.asarray(answer.x, dtype=np.float64)
     residuals, jacobian = problem.residuals(positions), problem.jacobian(positions)
     priors = problem.prior_jacobian(positions)
-    repeats = _repeats(problem, residuals)
     given = problem.job.settings.noise
+    # A given deviation is that of independent points.
+    repeats = 1.0 if given is not None else _repeats(problem, residuals)
     if given is not None:
         noise, freedom = given, np.inf
     else:

@@ -116,16 +116,14 @@ def _density(
 ) -> Callable[[Floats], Floats]:
     """Logarithm of the density of positions, without its constant: (points, parameters) -> (points,)."""
 
-    def linearised(points: Floats) -> Floats:
-        rows = fit.residuals + (points - fit.positions) @ fit.jacobian.T
-        return -0.5 * np.sum((rows / fit.scale) ** 2, axis=1)
-
-    def of_model(points: Floats) -> Floats:
-        say(f"posterior: {len(points)} points")
-        rows = problem.residuals_at(list(points))
-        return -0.5 * np.sum((rows / fit.scale) ** 2, axis=1)
-
-    likelihood = linearised if sampling.kind == "linearised" else of_model
+    def likelihood(points: Floats) -> Floats:
+        if sampling.kind == "linearised":
+            rows = fit.residuals + (points - fit.positions) @ fit.jacobian.T
+        else:
+            say(f"posterior: {len(points)} points")
+            rows = problem.residuals_at(list(points))
+        squares: Floats = np.sum((rows / fit.scale) ** 2, axis=1)
+        return -0.5 * squares
 
     def density(points: Floats) -> Floats:
         inside = np.all((points >= 0.0) & (points <= 1.0), axis=1)

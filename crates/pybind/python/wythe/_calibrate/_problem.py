@@ -27,26 +27,37 @@ class Problem:
         """Derivatives that no run gave."""
         self.start = np.array([p.position(p.start) for p in job.parameters])
         self.windows: tuple[Window, ...] = ()
-        found = self._responses([self.start])[0]
-        windows = [window(test, of) for test, of in zip(job.tests, found, strict=True)]
-        self.windows = tuple(of for of, _ in windows)
-        self.notes = [note for _, notes in windows for note in notes]
+        self.notes: list[str] = []
+        self.windows = tuple(self._window(at) for at in range(len(job.tests)))
         self.rows = sum(of.rows for of in self.windows)
-        self._check_start(found)
+        self._check_count()
         # Again from memory, with the windows that say whether a run ended early.
         self._responses([self.start])
 
-    def _check_start(self, found: list[Response | None]) -> None:
-        (runs,) = self.runs.at([self.values(self.start)])
-        for at, (test, of, run) in enumerate(zip(self.job.tests, found, runs, strict=True)):
-            if of is None:
+    def _window(self, at: int) -> Window:
+        """The points of a test that count, from its run with the start values."""
+        test = self.job.tests[at]
+        run = self.runs.at([self.values(self.start)])[0][at]
+        try:
+            start = response(test, run)
+            if start is None:
                 raise CalibrationError(
-                    f"the run of test `{test.name}` (tests.{at}) with the start values gave no curve: "
-                    f"{run.status}: {run.message or 'no row of the history belongs to a drive'}",
-                    key=f"tests.{at}",
+                    f"the run with the start values gave no curve: {run.status}: "
+                    f"{run.message or 'no row of the history belongs to a drive'}",
                     fix="give start values and a deck that run, and steps = […] with a drive",
-                    file=self.job.file,
                 )
+            found, notes = window(test, start)
+        except CalibrationError as error:
+            raise CalibrationError(
+                f"test `{test.name}`: {error.message}",
+                key=f"tests.{at}{'.' if error.key else ''}{error.key}",
+                fix=error.fix,
+                file=self.job.file,
+            ) from None
+        self.notes += notes
+        return found
+
+    def _check_count(self) -> None:
         free = len(self.job.parameters)
         priors = sum(parameter.prior is not None for parameter in self.job.parameters)
         if self.rows + priors <= free:

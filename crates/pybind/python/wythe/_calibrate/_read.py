@@ -270,7 +270,7 @@ def _points(table: Table, where: str, item: object) -> Any:
         points = np.asarray(item, dtype=np.float64)
     except (TypeError, ValueError):
         points = np.zeros(0)
-    if points.ndim != 2 or points.shape[1] != 2 or points.shape[0] < FEWEST:
+    if points.ndim != 2 or points.shape[-1] != 2 or len(points) < FEWEST:
         what = f"expected a path or an array of shape (points, 2), got {told(item)}"
         table.fail(where, what, "give displacements [mm] and forces [kN] in two columns")
     return points

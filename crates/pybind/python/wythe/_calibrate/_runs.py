@@ -76,6 +76,13 @@ class Decks:
             return model.with_({"output.mcap": False, "output.every": 1_000_000})
         return model
 
+    def to_toml(self) -> str:
+        """Text that identifies the decks and keys, by which the journal of a study knows its model again."""
+        said = [
+            f"{test.name} {test.model.digest} {os.path.abspath(test.model.folder or '.')}" for test in self.job.tests
+        ]
+        return "\n".join([*said, *(f"{p.name} {p.keys} {p.unit}" for p in self.job.parameters)])
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -150,13 +157,8 @@ class Runs:
 
     def _batch(self, rows: list[Sample]) -> str:
         """Name of the folder of a batch, by its content: the same calibration finds its batches again."""
-        digest = hashlib.sha256(fingerprint(rows).encode())
-        for test in self._job.tests:
-            digest.update(f"{test.name} {test.model.digest} {os.path.abspath(test.model.folder or '.')}".encode())
-        digest.update(repr([parameter.keys for parameter in self._job.parameters]).encode())
-        digest.update(repr([parameter.unit for parameter in self._job.parameters]).encode())
-        digest.update(repr(self._columns).encode())
-        return digest.hexdigest()[:20]
+        said = "\n".join([fingerprint(rows), self._decks.to_toml(), *self._columns.names])
+        return hashlib.sha256(said.encode()).hexdigest()[:20]
 
 
 @contextlib.contextmanager
