@@ -116,6 +116,27 @@ def test_the_function_reads_the_same_job(folder: Path, monkeypatch: pytest.Monke
     assert found.model("tension").interface("joint")["f_t"] == found.values["f_t"]
 
 
+def test_the_next_deck_gets_the_values_of_all_tests() -> None:
+    x = np.linspace(0.01, 0.58, 12)
+    pulled = np.linspace(0.001, 0.02, 12)
+    curves = {"tension": (TENSION, exact(TENSION, pulled), pulled), "shear": (SHEAR, exact(SHEAR, x), x)}
+    with ThreadPoolExecutor(2) as threads:
+        found = calibrate(
+            tests=[
+                {"name": name, "deck": deck, "curves": [np.stack([at, force], axis=1)]}
+                for name, (deck, force, at) in curves.items()
+            ],
+            parameters={name: PARAMETERS[name] for name in ("f_t", "c")},
+            fit=FORWARD,
+            executor=threads,
+            progress=False,
+        )
+    (joint,) = toml_of(found.materials)["interfaces"].values()
+    # Each key is set in one test only; the table has both.
+    assert (joint["f_t"], joint["c"]) == (found.values["f_t"], found.values["c"])
+    assert "other fixed values" not in found.materials
+
+
 def test_exit_codes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert wythe.command(["calibrate", str(folder / "none.toml")]) == 4
     assert "none.toml: cannot be read" in capsys.readouterr().err
@@ -147,6 +168,9 @@ def test_the_example(tmp_path: Path) -> None:
     for name in ("01_couplet_tension.toml", "02_couplet_shear.toml"):
         shutil.copy(EXAMPLES / name, tmp_path)
     job = tmp_path / "25_calibrate" / "joint.toml"
+    # A third of the runs: derivatives from one side, no draws of the posterior.
+    text = job.read_text(encoding="utf-8").replace("draws = 12", "draws = 0")
+    job.write_text(text.replace("format = 1", 'format = 1\nfit = { differences = "forward", tolerance = 1e-3 }'))
     with ThreadPoolExecutor(2) as threads:
         found = calibrate(job, executor=threads, progress=False)
     assert found.converged and not found.failures

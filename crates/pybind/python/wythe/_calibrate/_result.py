@@ -16,7 +16,7 @@ from wythe._calibrate._curves import Response
 from wythe._calibrate._fit import Fit
 from wythe._calibrate._identify import Sight
 from wythe._calibrate._job import Floats, Job
-from wythe._calibrate._materials import materials_toml
+from wythe._calibrate._materials import all_changes, materials_toml
 from wythe._calibrate._posterior import Posterior
 from wythe._calibrate._runs import FailedRun
 from wythe._calibrate._text import page, short
@@ -133,12 +133,9 @@ class Calibration:
     def changes(self, values: Mapping[str, float] | None = None) -> dict[str, float | str]:
         """Deck keys with the best values, or with others, for :meth:`wythe.Model.with_` of another deck.
 
-        Keys of some tests only are included.
+        Keys of some tests only are included; of a key that several parameters set, the first counts.
         """
-        at = self.values if values is None else dict(values)
-        return {
-            key.key: p.deck_value(at[p.name], key.factor) for p in self._job.parameters for key in p.keys
-        }
+        return all_changes(self._job, self.values if values is None else values)
 
     def samples(self, count: int, seed: int = 1) -> list[dict[str, float | str]]:
         """Deck keys with values drawn from the posterior, for ``wythe.study(model, samples=...)``."""
