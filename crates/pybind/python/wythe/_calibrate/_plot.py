@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from wythe._calibrate._curves import Response
 from wythe._errors import need, write_bytes
+from wythe._run import in_notebook
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,6 +31,10 @@ def is_there() -> bool:
 def figure(curves: Sequence[CurveFit], bands: Mapping[str, list[Response]]) -> Figure:
     """A panel for each test."""
     need("matplotlib", "plot")
+    if in_notebook():
+        # A notebook shows figures only after pyplot has chosen how.
+        pyplot: Any = importlib.import_module("matplotlib.pyplot")
+        pyplot.close(pyplot.figure())
     module: Any = importlib.import_module("matplotlib.figure")
     tests = list(dict.fromkeys(curve.test for curve in curves))
     columns = min(COLUMNS, len(tests))

@@ -69,7 +69,7 @@ class Calibration:
         self._job = job
         self._fit = fit
         self._found = found
-        self.title = job.title
+        self.title: str = job.title
         """Title of the job."""
         self.names: tuple[str, ...] = tuple(parameter.name for parameter in job.parameters)
         """Names of the parameters."""
@@ -91,17 +91,17 @@ class Calibration:
         """Runs that failed, or ended before the last measured point."""
         self.notes: tuple[str, ...] = found.notes
         """Further facts: points that do not count, derivatives that no run gave."""
-        self.noise = fit.noise
+        self.noise: float = fit.noise
         """Standard deviation of a point, as a part of the peak of its curve [-]."""
-        self.repeats = fit.repeats
+        self.repeats: float = fit.repeats
         """How many neighbouring points deviate together, so that they count as one [-]."""
-        self.converged = fit.converged
+        self.converged: bool = fit.converged
         """Whether the least squares ended by a tolerance, not by the number of iterations."""
-        self.message = fit.message
+        self.message: str = fit.message
         """Reason for the end of the least squares."""
-        self.runs = found.runs
+        self.runs: int = found.runs
         """Number of runs."""
-        self.iterations = fit.iterations
+        self.iterations: int = fit.iterations
         """Number of sets of values that were tried."""
         self.posterior: Posterior | None = found.posterior
         """Samples of the posterior, if they were asked for."""
