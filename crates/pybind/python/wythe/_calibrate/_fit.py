@@ -20,7 +20,7 @@ SETTLED = 0.02
 PASSES = 6
 # Eigenvalues of the information below this are those of combinations that nothing determines.
 LEAST = 1e-6
-# Lowest and highest correlation of neighbouring points, of which the highest keeps a point in 39.
+# Largest correlation of neighbouring points that is believed: 39 points then count as one.
 MOST_CORRELATED = 0.95
 
 

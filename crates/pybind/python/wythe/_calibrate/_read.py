@@ -105,7 +105,8 @@ def _parameter(above: Table, name: str, tests: list[str]) -> Parameter:
     if not low <= start <= high:
         table.fail("start", f"{start:g} is not between the bounds {low:g} and {high:g}", "move start or bounds")
     log = table.choice("scale", "linear", ("linear", "log")) == "log"
-    for needs, what in ((log, "a logarithmic scale"), (prior is not None and prior.kind == "lognormal", "a lognormal prior")):
+    lognormal = prior is not None and prior.kind == "lognormal"
+    for needs, what in ((log, "a logarithmic scale"), (lognormal, "a lognormal prior")):
         if needs and low <= 0.0:
             table.fail("bounds", f"{what} needs bounds above 0, got {low:g}", "give a lower bound above 0")
     table.end()

@@ -23,7 +23,7 @@ def short(of: Calibration) -> str:
         rows.append((name, f"{of.values[name]:.4g}", _error(of, name), f"{low:.4g} to {high:.4g}", of.units[name]))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        cells = (cell.ljust(width) if at == 0 else cell.rjust(width) for at, (cell, width) in enumerate(zip(row[:4], widths)))
+        cells = [row[0].ljust(widths[0]), *(row[at].rjust(widths[at]) for at in range(1, 4))]
         lines.append(f"{'  '.join(cells)} {row[4]}".rstrip())
     lines.append(_noise(of))
     lines += of.unseen
@@ -43,8 +43,8 @@ def page(of: Calibration, pictured: bool) -> str:
     parts += [
         "## What the tests see",
         seen,
-        f"Singular values of the Jacobian over the noise, its columns times the widths of priors or bounds: {singular}. "
-        "Below 1 the tests say less about a combination than its prior or bounds.",
+        "Singular values of the Jacobian over the noise, its columns times the deviations of priors or bounds: "
+        f"{singular}. Below 1 the tests say less about a combination than its prior or bounds.",
     ]
     if len(of.names) > 1:
         parts += ["## Correlation", _correlation(of)]
@@ -90,7 +90,8 @@ def _parameters(of: Calibration) -> str:
         bounds = f"{one['bounds'][0]:g} to {one['bounds'][1]:g}"
         value = f"{one['value']:.4g}"
         interval = f"{low:.4g} to {high:.4g}"
-        rows.append([name, one["unit"] or "–", value, _error(of, name), interval, f"{one['start']:g}", bounds, told, keys])
+        start = f"{one['start']:g}"
+        rows.append([name, one["unit"] or "–", value, _error(of, name), interval, start, bounds, told, keys])
     head = ["", "unit", "value", "standard error", "95 % interval", "start", "bounds", "prior", "keys"]
     return _table(head, rows)
 
@@ -103,7 +104,9 @@ def _correlation(of: Calibration) -> str:
 def _posterior(of: Calibration) -> str:
     found = of.posterior
     assert found is not None
-    how = "Curves are linear in the parameters around the best values." if found.kind == "linearised" else "Each sample is a run."
+    how = "Each sample is a run."
+    if found.kind == "linearised":
+        how = "Curves are linear in the parameters around the best values."
     if math.isfinite(found.linearisation_error):
         how += (
             f" In {len(found.draws)} draws the curves of the model differ from linear ones by "
