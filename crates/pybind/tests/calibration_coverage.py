@@ -1,8 +1,10 @@
 """How often intervals of 95 % hold the true values: synthetic couplets with scatter, calibrated for many seeds.
 
     python crates/pybind/tests/calibration_coverage.py --seeds 40
+    python crates/pybind/tests/calibration_coverage.py --seeds 40 --specimens 3 --between 0.1
 
-prints a line for each parameter, and how many of its intervals hold the true value.
+prints a line for each parameter, and how many of its intervals hold the true value. ``--between`` makes whole
+specimens stronger or weaker, with this deviation of the logarithm of their forces.
 """
 
 from __future__ import annotations
@@ -51,8 +53,14 @@ def scattered(x: Any, force: Any, random: np.random.Generator) -> Any:
     return np.stack([x, force + NOISE * force.max() * random.standard_normal(x.size)], axis=1)
 
 
-def held(seeds: int) -> dict[str, int]:
+def held(seeds: int, specimens: int = 1, between: float = 0.0) -> dict[str, int]:
     """How many intervals of each parameter hold its true value."""
+
+    def curves(x: Any, force: Any, random: np.random.Generator) -> list[Any]:
+        # Without a deviation between specimens no number is drawn for it.
+        factors = [np.exp(between * random.standard_normal()) if between else 1.0 for _ in range(specimens)]
+        return [scattered(x, factor * force, random) for factor in factors]
+
     pulled = np.append(np.linspace(0.0008, 0.006, 10), np.linspace(0.01, 0.2, 25))
     sheared = np.append(np.linspace(0.01, 0.09, 10), np.linspace(0.12, 0.58, 25))
     forces = exact(TENSION, pulled), exact(SHEAR, sheared)
@@ -62,8 +70,8 @@ def held(seeds: int) -> dict[str, int]:
             random = np.random.default_rng(seed)
             found = wythe.calibrate(
                 tests=[
-                    {"name": "tension", "deck": TENSION, "curves": [scattered(pulled, forces[0], random)]},
-                    {"name": "shear", "deck": SHEAR, "curves": [scattered(sheared, forces[1], random)]},
+                    {"name": "tension", "deck": TENSION, "curves": curves(pulled, forces[0], random)},
+                    {"name": "shear", "deck": SHEAR, "curves": curves(sheared, forces[1], random)},
                 ],
                 parameters=PARAMETERS,
                 fit=FORWARD,
@@ -78,6 +86,8 @@ def held(seeds: int) -> dict[str, int]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=40)
-    asked = parser.parse_args().seeds
-    for name, count in held(asked).items():
-        print(f"{name:4} {count} of {asked}")
+    parser.add_argument("--specimens", type=int, default=1)
+    parser.add_argument("--between", type=float, default=0.0)
+    asked = parser.parse_args()
+    for name, count in held(asked.seeds, asked.specimens, asked.between).items():
+        print(f"{name:4} {count} of {asked.seeds}")
