@@ -217,6 +217,26 @@ def test_points_that_deviate_together_count_less() -> None:
     assert alone.repeats == 1.0
 
 
+def test_whole_specimens_deviate() -> None:
+    # Five specimens with forces times known factors, whose logarithms have the deviation 0.1 about.
+    factors = np.array([0.9, 1.1, 0.95, 1.15, 0.9])
+    curves = [measured(noise=0.01, seed=seed) * [1.0, factor] for seed, factor in enumerate(factors)]
+    parameters = {"f": F, "k": K}
+    found = fitted(parameters, curves=curves)
+    deviation = float(factors.std(ddof=1))
+    # Over the mean of the factors, as the fit has it.
+    assert found.between == pytest.approx(deviation / factors.mean(), rel=0.05)
+    assert found.repeats < 2.0 and found.noise == pytest.approx(0.01, rel=0.2)
+    # The strength is that of the mean; its error is that of the mean of five, with Student's four degrees of freedom.
+    assert found.values["f"] == pytest.approx(2.0 * factors.mean(), rel=0.02)
+    error = 2.0 * deviation / math.sqrt(5.0)
+    assert found.standard_errors["f"] == pytest.approx(error, rel=0.1)
+    low, high = found.intervals["f"]
+    assert (high - low) / 2.0 == pytest.approx(2.776 * error, rel=0.15)
+    assert "Deviation of whole specimens" in repr(found)
+    assert fitted(parameters, curves=curves[:1]).between == 0.0
+
+
 def test_the_posterior_is_that_of_the_fit(found: Calibration) -> None:
     posterior = found.posterior
     assert isinstance(posterior, Posterior)

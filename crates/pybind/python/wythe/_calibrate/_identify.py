@@ -34,7 +34,7 @@ def seen(parameters: tuple[Parameter, ...], fit: Fit, correlation: Floats) -> Si
     """Judges what the tests see of each parameter, and which combinations they do not see."""
     values = [p.value(float(z)) for p, z in zip(parameters, fit.positions, strict=True)]
     spread = np.array([p.spread(value) for p, value in zip(parameters, values, strict=True)])
-    scaled = fit.jacobian / fit.scale * spread
+    scaled = fit.noise.white(fit.jacobian) * spread
     # Without tests the covariance is the unit matrix; the tests add their information.
     _, singular, directions = np.linalg.svd(scaled, full_matrices=True)
     singular = np.append(singular, np.zeros(len(parameters) - len(singular)))

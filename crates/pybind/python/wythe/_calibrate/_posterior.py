@@ -122,7 +122,7 @@ def _density(
         else:
             say(f"posterior: {len(points)} points")
             rows = problem.residuals_at(list(points))
-        squares: Floats = np.sum((rows / fit.scale) ** 2, axis=1)
+        squares: Floats = np.sum(fit.noise.white(rows.T) ** 2, axis=0)
         return -0.5 * squares
 
     def density(points: Floats) -> Floats:
@@ -150,4 +150,4 @@ def _prior(problem: Problem, points: Floats) -> Floats:
 def _linearisation_error(problem: Problem, fit: Fit, picked: Floats) -> Any:
     true = problem.residuals_at(list(picked))
     linear = fit.residuals + (picked - fit.positions) @ fit.jacobian.T
-    return np.sqrt(np.mean((true - linear) ** 2)) / fit.noise
+    return np.sqrt(np.mean((true - linear) ** 2)) / fit.noise.point

@@ -17,6 +17,7 @@ from wythe._calibrate._fit import Fit
 from wythe._calibrate._identify import Sight
 from wythe._calibrate._job import Floats, Job
 from wythe._calibrate._materials import all_changes, materials_toml
+from wythe._calibrate._noise import Noise
 from wythe._calibrate._posterior import Posterior
 from wythe._calibrate._runs import FailedRun
 from wythe._calibrate._text import page, short
@@ -91,10 +92,12 @@ class Calibration:
         """Runs that failed, or ended before the last measured point."""
         self.notes: tuple[str, ...] = found.notes
         """Further facts: points that do not count, derivatives that no run gave."""
-        self.noise: float = fit.noise
+        self.noise: float = fit.noise.point
         """Standard deviation of a point, as a part of the peak of its curve [-]."""
-        self.repeats: float = fit.repeats
+        self.repeats: float = fit.noise.repeats
         """How many neighbouring points deviate together, so that they count as one [-]."""
+        self.between: float = fit.noise.between
+        """Standard deviation of the strength of whole specimens, as a part of it [-]; 0 if no test has several."""
         self.converged: bool = fit.converged
         """Whether the least squares ended by a tolerance, not by the number of iterations."""
         self.message: str = fit.message
@@ -105,7 +108,7 @@ class Calibration:
         """Number of sets of values that were tried."""
         self.posterior: Posterior | None = found.posterior
         """Samples of the posterior, if they were asked for."""
-        self._errors, self._intervals = _intervals(job, fit)
+        self._errors, self._intervals, self._freedom = _intervals(job, fit)
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -155,7 +158,6 @@ class Calibration:
     @property
     def summary(self) -> dict[str, Any]:
         """Content of ``calibration.json``; numbers that are not finite are None."""
-        fit = self._fit
         parameters = {
             p.name: {
                 "value": self.values[p.name],
@@ -182,7 +184,8 @@ class Calibration:
             "unseen": list(self.unseen),
             "noise": self.noise,
             "repeats": self.repeats,
-            "freedom": _finite(fit.freedom),
+            "between": self.between,
+            "freedom": self._freedom,
             "curves": [
                 {
                     "test": c.test, "curve": c.curve, "points": len(c.force), "status": c.status,
@@ -265,20 +268,35 @@ def _finite(number: float) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _intervals(job: Job, fit: Fit) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
-    """Standard errors, and intervals of 95 % by Student's distribution on the scale of the parameter."""
+def _intervals(
+    job: Job, fit: Fit
+) -> tuple[dict[str, float], dict[str, tuple[float, float]], dict[str, float | None]]:
+    """Standard errors, intervals of 95 % on the scale of the parameter, and their degrees of freedom."""
     from scipy import stats
 
-    width = float(stats.t.ppf(0.975, fit.freedom)) if math.isfinite(fit.freedom) else float(stats.norm.ppf(0.975))
     errors: dict[str, float] = {}
     intervals: dict[str, tuple[float, float]] = {}
-    for p, z, variance in zip(job.parameters, fit.positions, np.diag(fit.covariance), strict=True):
-        error = math.sqrt(float(variance))
+    freedoms: dict[str, float | None] = {}
+    variances = np.diag(fit.covariance), np.diag(fit.covariance_of_points)
+    for p, z, whole, points in zip(job.parameters, fit.positions, *variances, strict=True):
+        freedom = _freedom(fit.noise, float(whole), float(points))
+        width = float(stats.norm.ppf(0.975) if math.isinf(freedom) else stats.t.ppf(0.975, freedom))
+        error = math.sqrt(float(whole))
         rate = p.rate(p.value(float(z)))
         errors[p.name] = error * rate if error < 1.0 else math.inf
         low, high = max(float(z) - width * error, 0.0), min(float(z) + width * error, 1.0)
         intervals[p.name] = (p.value(low), p.value(high))
-    return errors, intervals
+        freedoms[p.name] = _finite(freedom)
+    return errors, intervals, freedoms
+
+
+def _freedom(noise: Noise, whole: float, points: float) -> float:
+    """Degrees of freedom of a variance of points and specimens (Satterthwaite 1946)."""
+    specimens = max(whole - points, 0.0)
+    uncertain = points**2 / noise.freedom
+    if noise.between_freedom > 0.0:
+        uncertain += specimens**2 / noise.between_freedom
+    return whole**2 / uncertain if uncertain > 0.0 else math.inf
 
 
 def correlation_of(fit: Fit) -> Floats:

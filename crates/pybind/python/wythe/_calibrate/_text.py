@@ -70,6 +70,8 @@ def _noise(of: Calibration) -> str:
     told = f"Deviation of a point: {100 * of.noise:.2g} % of the peak."
     if of.repeats > 1.0:
         told += f" Neighbours deviate together: {of.repeats:.1f} points count as one."
+    if of.between > 0.0:
+        told += f" Deviation of whole specimens: {100 * of.between:.2g} %."
     return told
 
 
