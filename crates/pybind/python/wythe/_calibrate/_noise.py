@@ -50,7 +50,7 @@ class Noise:
         for shape in self.shapes:
             # The root of the inverse of 1 + g gᵀ shortens the part along g.
             size = float(shape @ shape) * (self.between / self.scale) ** 2
-            along = shape / max(np.sqrt(shape @ shape), 1e-12)
+            along = shape / max(float(np.sqrt(shape @ shape)), 1e-12)
             part = found[at : at + len(shape)]
             shorter = 1.0 - 1.0 / np.sqrt(1.0 + size)
             found[at : at + len(shape)] = part - shorter * np.multiply.outer(along, along @ part)
