@@ -40,7 +40,7 @@ def calibrate(
     """Finds values of deck keys by least squares, so that decks of tests give the measured curves.
 
     Residuals are the forces of the runs less those measured, at the measured displacements, over the measured peak
-    of each curve, and rows of the priors. scipy.optimize.least_squares (``trf``) minimises their squares within the
+    of the test (the mean of its specimens), and rows of the priors. scipy.optimize.least_squares (``trf``) minimises their squares within the
     bounds; derivatives are differences whose runs are side by side. Needs SciPy, and emcee for a posterior
     (``pip install 'wythe[study]'``). The same call gives the same result with any executor.
 

@@ -85,6 +85,14 @@ class Window:
         """The largest displacement that counts."""
         return max(float(np.max(curve.displacement)) for curve in self.curves)
 
+    @property
+    def size(self) -> float:
+        """Force by which residuals are divided: the mean of the peaks of the specimens.
+
+        Each divided by its own peak, weak specimens would count more.
+        """
+        return float(np.mean([curve.peak for curve in self.curves]))
+
     def covered(self, found: Response | None) -> bool:
         """Whether a run has an own force at every point."""
         if found is None:
@@ -92,7 +100,7 @@ class Window:
         return found.whole or bool(found.x[-1] * (1.0 + ROUNDING) >= self.end)
 
     def residuals(self, found: Response | None) -> Floats:
-        """Forces of the run less measured ones, over the peak of their curve, times the root of the weight.
+        """Forces of the run less measured ones, over the peak of the test, times the root of the weight.
 
         Each curve has its points, then its peak if that counts. Shape (rows,).
         """
@@ -100,9 +108,9 @@ class Window:
             return np.full(self.rows, BAD * self.test.weight**0.5)
         parts: list[Floats] = []
         for curve in self.curves:
-            parts.append((found.at(curve.displacement) - curve.force) / curve.peak)
+            parts.append((found.at(curve.displacement) - curve.force) / self.size)
             if self.test.peak > 0.0:
-                share = self.peak(found, curve) / curve.peak - 1.0
+                share = (self.peak(found, curve) - curve.peak) / self.size
                 parts.append(np.array([np.sqrt(self.test.peak) * share]))
         rows: Floats = self.test.weight**0.5 * np.concatenate(parts)
         return rows

@@ -51,17 +51,16 @@ class Fit:
         return self._inverse(between=False)
 
     def _inverse(self, between: bool) -> Floats:
-        rows = np.concatenate([self.noise.white(self.jacobian, between), self.priors])
-        values, vectors = np.linalg.eigh(rows.T @ rows)
+        whole = self.noise.information(self.jacobian, between) + self.priors.T @ self.priors
+        values, vectors = np.linalg.eigh(0.5 * (whole + whole.T))
         spread: Floats = (vectors / np.maximum(values, LEAST)) @ vectors.T
         return spread
 
 
 def fitted(problem: Problem, say: Callable[[str], None]) -> Fit:
-    """Fits the parameters; again until the estimated noise has settled, if it weighs priors or specimens."""
+    """Fits the parameters; with priors again until the estimated noise, which weighs them, has settled."""
     settings = problem.job.settings
-    weighed = any(parameter.prior is not None for parameter in problem.job.parameters)
-    weighed = weighed or any(len(of.curves) > 1 for of in problem.windows)
+    priors = any(parameter.prior is not None for parameter in problem.job.parameters)
     point = NOISE if settings.noise is None else settings.noise
     noise = Noise(point, 1.0, np.inf, 0.0, 0.0, shapes(problem))
     positions, iterations = problem.start, 0
@@ -70,8 +69,7 @@ def fitted(problem: Problem, say: Callable[[str], None]) -> Fit:
         positions, iterations = answer.x, iterations + int(answer.nfev)
         fit = _judged(problem, answer, iterations)
         settled = abs(fit.noise.scale / noise.scale - 1.0) < SETTLED
-        settled = settled and abs(fit.noise.between - noise.between) <= SETTLED * fit.noise.between
-        if not weighed or number == PASSES or settled:
+        if not priors or number == PASSES or settled:
             return fit
         noise = fit.noise
     raise AssertionError("the last pass returns")
@@ -85,10 +83,10 @@ def _least_squares(problem: Problem, start: Floats, noise: Noise, say: Callable[
     def rows(positions: Floats) -> Floats:
         found = problem.residuals(positions)
         say(f"misfit {100.0 * float(np.sqrt(np.mean(found**2))):.2f} % of the peak")
-        return np.concatenate([noise.white(found), problem.prior_rows(positions)])
+        return np.concatenate([found / noise.scale, problem.prior_rows(positions)])
 
     def slopes(positions: Floats) -> Floats:
-        return np.concatenate([noise.white(problem.jacobian(positions)), problem.prior_jacobian(positions)])
+        return np.concatenate([problem.jacobian(positions) / noise.scale, problem.prior_jacobian(positions)])
 
     return optimize.least_squares(
         rows,

@@ -34,10 +34,12 @@ def seen(parameters: tuple[Parameter, ...], fit: Fit, correlation: Floats) -> Si
     """Judges what the tests see of each parameter, and which combinations they do not see."""
     values = [p.value(float(z)) for p, z in zip(parameters, fit.positions, strict=True)]
     spread = np.array([p.spread(value) for p, value in zip(parameters, values, strict=True)])
-    scaled = fit.noise.white(fit.jacobian) * spread
+    scaled = fit.noise.information(fit.jacobian) * np.outer(spread, spread)
     # Without tests the covariance is the unit matrix; the tests add their information.
-    _, singular, directions = np.linalg.svd(scaled, full_matrices=True)
-    singular = np.append(singular, np.zeros(len(parameters) - len(singular)))
+    squares, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    # Rounding leaves squares of some 1e-16 of the largest one where there is nothing.
+    squares = np.where(squares > 1e-12 * max(float(squares[-1]), 1.0), squares, 0.0)
+    singular, directions = np.sqrt(squares[::-1]), vectors.T[::-1]
     left = np.sqrt(((directions.T**2) / (1.0 + singular**2)).sum(axis=1))
     sentences = _of_parameters(parameters, left)
     blind = {p.name for p, part in zip(parameters, left, strict=True) if part > UNSEEN}

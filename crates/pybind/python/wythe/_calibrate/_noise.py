@@ -19,8 +19,8 @@ class Noise:
     """Deviations, all as parts of the peaks.
 
     The covariance of the residuals of a curve is s² 1 + between² f fᵀ with s² = repeats point², and f the fitted
-    forces over the measured peak: specimens are stronger or weaker as a whole. With measured forces for f the fit
-    would become too low, because a lower curve differs less across f.
+    forces over the measured peak: specimens are stronger or weaker as a whole. The fit does not weigh residuals by it:
+    a fixed stiffness of the deck would then decide how strong each specimen is.
     """
 
     point: float
@@ -41,21 +41,26 @@ class Noise:
         """Deviation s by which residuals are divided."""
         return self.point * float(np.sqrt(self.repeats))
 
-    def white(self, rows: Floats, between: bool = True) -> Floats:
-        """Residuals, or columns of their derivatives, with the unit matrix as covariance. Shape of ``rows``."""
-        found: Floats = rows / self.scale
-        if self.between == 0.0 or not between:
-            return found
+    def information(self, jacobian: Floats, between: bool = True) -> Floats:
+        """Information of the points about the parameters: the inverse of the covariance of the least squares.
+
+        With H = JᵀJ/s² and G = between² Σ (Jᵀf)(Jᵀf)ᵀ/s⁴ that covariance is H⁻¹ (H + G) H⁻¹. Shape (parameters,
+        parameters).
+        """
+        whole = jacobian.T @ jacobian / self.scale**2
+        return self.damping(jacobian) @ whole if between else whole
+
+    def damping(self, jacobian: Floats) -> Floats:
+        """H (H + G)⁻¹: the part of the information that deviating specimens leave. Shape (parameters, parameters)."""
+        whole = jacobian.T @ jacobian / self.scale**2
+        shared = np.zeros_like(whole)
         at = 0
         for shape in self.shapes:
-            # The root of the inverse of 1 + g gᵀ shortens the part along g.
-            size = float(shape @ shape) * (self.between / self.scale) ** 2
-            along = shape / max(float(np.sqrt(shape @ shape)), 1e-12)
-            part = found[at : at + len(shape)]
-            shorter = 1.0 - 1.0 / np.sqrt(1.0 + size)
-            found[at : at + len(shape)] = part - shorter * np.multiply.outer(along, along @ part)
+            along = jacobian[at : at + len(shape)].T @ shape * (self.between / self.scale**2)
+            shared += np.outer(along, along)
             at += len(shape)
-        return found
+        left: Floats = whole @ np.linalg.pinv(whole + shared, hermitian=True)
+        return left
 
 
 def shapes(problem: Problem) -> tuple[Floats, ...]:
@@ -63,9 +68,9 @@ def shapes(problem: Problem) -> tuple[Floats, ...]:
     found: list[Floats] = []
     for of in problem.windows:
         for curve in of.curves:
-            rows = curve.force / curve.peak
+            rows = curve.force / of.size
             if of.test.peak > 0.0:
-                rows = np.append(rows, of.test.peak**0.5)
+                rows = np.append(rows, of.test.peak**0.5 * curve.peak / of.size)
             found.append(of.test.weight**0.5 * rows)
     return tuple(found)
 
