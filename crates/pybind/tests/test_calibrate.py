@@ -222,7 +222,7 @@ def test_whole_specimens_deviate() -> None:
     factors = np.array([0.9, 1.1, 0.95, 1.15, 0.9])
     curves = [measured(noise=0.01, seed=seed) * [1.0, factor] for seed, factor in enumerate(factors)]
     parameters = {"f": F, "k": K}
-    found = fitted(parameters, curves=curves)
+    found = fitted(parameters, curves=curves, posterior={"draws": 0})
     deviation = float(factors.std(ddof=1))
     # Over the mean of the factors, as the fit has it.
     assert found.between == pytest.approx(deviation / factors.mean(), rel=0.05)
@@ -234,6 +234,10 @@ def test_whole_specimens_deviate() -> None:
     low, high = found.intervals["f"]
     assert (high - low) / 2.0 == pytest.approx(2.776 * error, rel=0.15)
     assert "Deviation of whole specimens" in repr(found)
+    # The posterior has the same covariance; 500 independent samples know a deviation to 3 %, here five of that.
+    assert found.posterior is not None
+    assert found.posterior.mean()["f"] == pytest.approx(found.values["f"], abs=0.2 * found.standard_errors["f"])
+    assert found.posterior.deviation()["f"] == pytest.approx(found.standard_errors["f"], rel=0.15)
     assert fitted(parameters, curves=curves[:1]).between == 0.0
 
 
