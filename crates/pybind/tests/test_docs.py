@@ -14,7 +14,7 @@ from matplotlib import pyplot
 from test_names import NAMES
 
 GUIDES = ROOT / "docs" / "reference"
-GUIDE, STUDIES = GUIDES / "python.md", GUIDES / "studies.md"
+GUIDE, STUDIES, CALIBRATION = (GUIDES / f"{name}.md" for name in ("python", "studies", "calibration"))
 TEXT = GUIDE.read_text(encoding="utf-8")
 
 
@@ -43,14 +43,17 @@ def test_docstrings_work(module: object) -> None:
 
 def test_every_name_is_in_the_guide() -> None:
     """Names of the package; of the classes that the guides describe, their attributes."""
-    described = ("Model", "Findings", "Problem", "Results", "Frame", "Interfaces", "Picture")
+    described = (
+        "Model", "Findings", "Problem", "Results", "Frame", "Interfaces", "Picture",
+        "Calibration", "CurveFit", "FailedRun", "Posterior",
+    )  # fmt: skip
     wanted = {name for name in NAMES if name.count(".") == 1}
     wanted |= {name for name in NAMES if name.split(".")[1] in (*described, "build", "templates")}
     # What only annotations name.
     wanted -= {
         f"wythe.{name}" for name in ("__version__", "Distribution", "Rank", "Ranking", "WorkerDied")
     }
-    text = TEXT + STUDIES.read_text(encoding="utf-8")
+    text = TEXT + STUDIES.read_text(encoding="utf-8") + CALIBRATION.read_text(encoding="utf-8")
     missing = {
         name for name in wanted if not re.search(rf"\b{re.escape(name.split('.')[-1])}\b", text)
     }
@@ -82,6 +85,7 @@ LINKED = [
     ROOT / "crates" / "pybind" / "README.md",
     GUIDE,
     STUDIES,
+    CALIBRATION,
 ]
 
 

@@ -17,6 +17,14 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from wythe import _wythe, build, templates, tests
+from wythe._calibrate import (
+    Calibration,
+    CalibrationError,
+    CurveFit,
+    FailedRun,
+    Posterior,
+    calibrate,
+)
 from wythe._drive import (
     InterfaceResponse,
     InterfaceState,
@@ -60,8 +68,12 @@ from wythe._study import (
 __version__ = _wythe.__version__
 
 __all__ = [
+    "Calibration",
+    "CalibrationError",
     "ConvergenceError",
+    "CurveFit",
     "Distribution",
+    "FailedRun",
     "Findings",
     "Frame",
     "History",
@@ -78,6 +90,7 @@ __all__ = [
     "OutputError",
     "Picture",
     "PointError",
+    "Posterior",
     "Problem",
     "Rank",
     "Ranking",
@@ -93,6 +106,7 @@ __all__ = [
     "WytheError",
     "__version__",
     "build",
+    "calibrate",
     "command",
     "drive_interface",
     "drive_material",
@@ -115,7 +129,16 @@ def command(arguments: Sequence[str]) -> int:
     """
     if isinstance(arguments, str) or not all(isinstance(item, str) for item in arguments):
         raise expected("arguments", "a sequence of str, e.g. ['check', 'wall.toml']", arguments)
-    return _wythe.command(["wythe", *arguments])
+    if arguments and arguments[0] == "calibrate":
+        from wythe._calibrate._command import command as of_calibration
+
+        return of_calibration(arguments[1:])
+    code = _wythe.command(["wythe", *arguments])
+    if list(arguments) in (["--help"], ["-h"], ["help"]):
+        from wythe._calibrate._command import IN_HELP
+
+        print(IN_HELP)
+    return code
 
 
 def schema() -> str:

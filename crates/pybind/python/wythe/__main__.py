@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 
-from wythe import _wythe
+from wythe import command
 
 
 def main() -> int:
     """Runs the command with the arguments of the process and returns its exit code."""
-    return _wythe.command(["wythe", *sys.argv[1:]])
+    return command(sys.argv[1:])
 
 
 if __name__ == "__main__":

@@ -69,6 +69,11 @@ length = "{} mm"
 thickness = "{} mm"
 pressure = "{p} MPa"
 
+[[springs]] # the jack, on the end of the unit
+name = "jack"
+on = "wall-{course}-1.left"
+stiffness = ["1 MN/mm", 0, 0]
+
 [[probes]] # against the courses below and above
 name = "slip"
 on = "wall-{course}-1"
@@ -80,20 +85,10 @@ kind = "preload"
 top_pressure = "{p} MPa"
 
 [[steps]]
-kind = "load"
-procedure = "displacement_control"
-control = {{ probe = "slip", displacement = "1 mm" }}
-increments = {{ initial = 0.002, max = 0.02 }}
-
-[[steps.loads]]
-name = "jack"
-on = "wall-{course}-1.left"
-pressure = "0.1 MPa"
-
-[[steps.loads]] # the jack stands against the next unit
-name = "abutment"
-on = "wall-{course}-0.right"
-pressure = "0.1 MPa"
+kind = "drive"
+spring = "jack"
+direction = "x"
+displacement = "1 mm"
 "#,
             mm(unit),
             mm(thickness),

@@ -142,9 +142,10 @@ impl Run<'_> {
     /// Beam whose motion the history shows, and its direction: that of the step, else of another step.
     fn driven_beam(&self, step: usize) -> Option<Driven> {
         let steps = &self.model.steps;
-        steps[step]
-            .driven
-            .or_else(|| steps.iter().find_map(|s| s.driven))
+        let own = steps[step].driven;
+        // A step that drives a spring shows the spring, whatever a preload has shown.
+        let others = || steps.iter().find_map(|s| s.driven);
+        own.or_else(|| others().filter(|_| driven_end(&steps[step]).is_none()))
     }
 
     /// Spring whose end is driven in the step, else in another, and its direction.
