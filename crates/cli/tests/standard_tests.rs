@@ -121,19 +121,6 @@ fn triplets_give_the_initial_shear_strength() {
     assert!((f_vk0 / value(&found, "/together", "f_v0") - 0.8).abs() < 1e-12); // by definition
 }
 
-/// The jack pushes one unit; the beds carry c + p tan phi at most. The pressure on them is uneven beside the openings.
-#[test]
-fn a_unit_pushed_in_place_gives_the_strength_of_its_beds() {
-    let folder = tempfile::tempdir().unwrap();
-    let options = ["--precompression", "0.1, 0.5 MPa"];
-    let found = evaluated(folder.path(), "astm-c1531", &options, &[]);
-    no_notes(&found);
-    for (run, pressure) in [0.1, 0.5].into_iter().enumerate() {
-        let most = C + TAN_PHI * pressure;
-        between(of_run(&found, run, "f_v"), 0.8 * most, 1.15 * most);
-    }
-}
-
 /// A bed that bends carries at least f_t by the elastic formula, and at most three times as much: tension f_t over
 /// the whole depth against an edge.
 #[test]

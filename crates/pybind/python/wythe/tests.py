@@ -39,7 +39,6 @@ __all__ = [
     "Evaluation",
     "Test",
     "TestValue",
-    "astm_c1531",
     "astm_e519",
     "couplet_tension",
     "direct_shear",
@@ -270,7 +269,6 @@ en1052_3 = _named("en1052-3", _ABOUT["en1052-3"])
 en1052_5 = _named("en1052-5", _ABOUT["en1052-5"])
 couplet_tension = _named("couplet-tension", _ABOUT["couplet-tension"])
 direct_shear = _named("direct-shear", _ABOUT["direct-shear"])
-astm_c1531 = _named("astm-c1531", _ABOUT["astm-c1531"])
 astm_e519 = _named("astm-e519", _ABOUT["astm-e519"])
 rilem_lumb6 = _named("rilem-lumb6", _ABOUT["rilem-lumb6"])
 shear_compression = _named("shear-compression", _ABOUT["shear-compression"])

@@ -49,9 +49,6 @@ pub enum TestKind {
     /// Cohesion, friction and fracture energy of couplets in shear.
     #[serde(rename = "direct-shear")]
     DirectShear,
-    /// ASTM C1531: shear strength of beds in place.
-    #[serde(rename = "astm-c1531")]
-    InPlaceShear,
     /// ASTM E519 and RILEM LUM B6: shear strength and modulus along the diagonal.
     #[serde(rename = "astm-e519")]
     Diagonal,
@@ -84,9 +81,7 @@ impl DeckTest {
                 &["length", "thickness", "height"]
             }
             Kind::Flexure => &["length", "thickness", "spans"],
-            Kind::Triplet | Kind::DirectShear | Kind::InPlaceShear => {
-                &["length", "thickness", "pressure"]
-            }
+            Kind::Triplet | Kind::DirectShear => &["length", "thickness", "pressure"],
             Kind::BondWrench => &["length", "thickness", "lever"],
             Kind::CoupletTension => &["length", "thickness"],
             Kind::ShearCompression => &["length", "thickness", "height", "pressure"],
@@ -103,7 +98,7 @@ impl DeckTest {
         match self.kind {
             TestKind::Compression => &["front", "back"],
             TestKind::Diagonal => &["vertical", "horizontal"],
-            TestKind::Triplet | TestKind::InPlaceShear => &["slip"],
+            TestKind::Triplet => &["slip"],
             TestKind::DirectShear => &["uplift"],
             _ => &[],
         }

@@ -5,7 +5,6 @@
 
 mod compression;
 mod flexure;
-mod in_place;
 mod joints;
 mod materials;
 mod options;
@@ -47,7 +46,7 @@ pub struct SpecimenDeck {
 const EN1052_3: &[f64] = &[0.2, 0.6, 1.0];
 
 /// All tests.
-pub const TESTS: [StandardTest; 16] = [
+pub const TESTS: [StandardTest; 15] = [
     StandardTest {
         name: "en1052-1",
         kind: TestKind::Compression,
@@ -103,13 +102,6 @@ pub const TESTS: [StandardTest; 16] = [
         about: "the same test by RILEM LUM B6; both evaluations are given",
         write: walls::diagonal,
         pressures: &[],
-    },
-    StandardTest {
-        name: "astm-c1531",
-        kind: TestKind::InPlaceShear,
-        about: "unit of a wall pushed along its beds by a jack in place of its neighbour (ASTM C1531)",
-        write: in_place::shear,
-        pressures: &[0.1, 0.3, 0.5],
     },
     StandardTest {
         name: "shear-compression",

@@ -23,7 +23,6 @@ pub(super) fn values(run: &TestRun) -> Values {
         TestKind::BondWrench => wrench(run),
         TestKind::CoupletTension => tension(run),
         TestKind::DirectShear => direct_shear(run),
-        TestKind::InPlaceShear => in_place(run),
         TestKind::Diagonal => diagonal(run),
         TestKind::ShearCompression => shear_compression(run),
         TestKind::OutOfPlane => out_of_plane(run),
@@ -40,7 +39,6 @@ pub(super) fn together(
     let names = match runs[0].test.kind {
         TestKind::Triplet => ["f_v0", "f_vk0", "tan_alpha", "tan_alpha_k", "tan_phi_r"],
         TestKind::DirectShear => ["c", "", "tan_phi", "", "tan_phi_r"],
-        TestKind::InPlaceShear => ["f_v0", "", "tan_alpha", "", "tan_phi_r"],
         _ => return Vec::new(),
     };
     let pairs = |name: &str| -> Vec<(f64, f64)> {
@@ -232,22 +230,6 @@ fn triplet(run: &TestRun) -> Values {
             "residual shear strength: mean over the last tenth of the way",
         ),
     ])
-}
-
-fn in_place(run: &TestRun) -> Values {
-    let mut values = triplet(run)?;
-    let pressure = run.size("pressure", run.test.pressure)?;
-    let strength = values
-        .iter()
-        .find(|value| value.name == "f_v")
-        .map_or(0.0, |value| value.value);
-    values.push(TestValue::new(
-        "v_to",
-        strength - pressure,
-        "MPa",
-        "bed joint shear strength of ASCE 41, f_v less the precompression (a friction of 1)",
-    ));
-    Ok(values)
 }
 
 fn direct_shear(run: &TestRun) -> Values {
