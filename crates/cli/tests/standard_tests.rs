@@ -356,3 +356,33 @@ fn a_couplet_sheared_along_a_vector_has_the_curve_of_the_one_sheared_along_an_ax
         assert!((a[1] - b[1]).abs() < 5e-3 * a[0], "{curves:?}");
     }
 }
+
+/// After a preload of the level beam the history shows the spring that is driven, not the beam.
+#[test]
+fn a_driven_spring_is_shown_after_a_preload_of_the_top() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
+                [interfaces.joint]\nf_t = 0.3\nu_k = 0.3\nzeta = 4.38\nc = 0.25\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
+                mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 200\ncourses = 3\n\
+                unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = { bottom_courses = 0, \
+                top_courses = 0 }\n[[springs]]\nname = \"jack\"\non = \"wall-1-0.left\"\nstiffness = [1e6, 0, 0]\n\
+                [[steps]]\nkind = \"preload\"\ntop_pressure = 0.2\n[[steps]]\nkind = \"drive\"\nspring = \"jack\"\n\
+                direction = \"x\"\ndisplacement = 0.02\n";
+    let deck = folder.path().join("spring.toml");
+    std::fs::write(&deck, text).unwrap();
+    let (deck, out) = (deck.display().to_string(), folder.path().join("spring.out"));
+    let run = wythe(&[
+        "run",
+        &deck,
+        "--quiet",
+        "--threads",
+        "1",
+        "--out",
+        &out.display().to_string(),
+    ]);
+    assert_eq!(code(&run), 0, "{}", stderr(&run));
+    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+    let last = |name: &str| column(&history, name).last().copied().unwrap();
+    assert!((last("displacement_mm") - 0.02).abs() < 1e-12);
+    assert!(last("force_kN") > 0.0);
+}
