@@ -15,6 +15,8 @@
 //! ```
 
 #[cfg(feature = "run-folder")]
+pub mod answers;
+#[cfg(feature = "run-folder")]
 mod beside;
 pub mod branch;
 #[cfg(feature = "run-folder")]
@@ -57,6 +59,8 @@ pub mod vtkhdf;
 pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
+#[cfg(feature = "run-folder")]
+pub use answers::Answers;
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 #[cfg(feature = "run-folder")]
