@@ -6,7 +6,7 @@ use super::Curve;
 use super::branch::{self, Branch};
 use crate::experiment::{Experiment, Point};
 use crate::model::Model;
-use crate::model::scene::BeamMotion;
+use crate::model::scene::{BeamMotion, Step};
 
 /// Quantities read from a curve; displacements and forces are positive along the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -77,18 +77,28 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     }
 }
 
-/// Height between the supports below and the driven beam above [mm]; `None` if nothing is driven sideways or the beam
-/// does not lie above the supports.
+/// Height between the supports below, which hold vertically, and the driven part above [mm]: the lowest node of a
+/// driven beam, or the mean of the nodes of a spring whose end is driven. `None` if nothing is driven sideways, or not
+/// above the supports.
 pub fn clear_height(model: &Model) -> Option<f64> {
-    let driven = model.steps.iter().find_map(|step| {
+    let height = |n: &u32| model.mesh.nodes[*n as usize][2];
+    let of_beam = |step: &Step| {
         let (beam, axis) = step.driven?;
         let moves = matches!(step.motion[beam][axis], BeamMotion::Driven(_));
-        (moves && axis != 2).then_some(beam)
-    })?;
-    let height = |n: &u32| model.mesh.nodes[*n as usize][2];
-    let beam = model.beams[driven].nodes.iter().map(height);
-    let held = model.supports.iter().flat_map(|s| &s.nodes).map(height);
-    let clear = beam.fold(f64::INFINITY, f64::min) - held.fold(f64::NEG_INFINITY, f64::max);
+        let nodes = model.beams[beam].nodes.iter();
+        (moves && axis != 2).then(|| nodes.map(height).fold(f64::INFINITY, f64::min))
+    };
+    let of_spring = |step: &Step| {
+        let sideways = |by: &[f64; 3]| by[0] != 0.0 || by[1] != 0.0;
+        let nodes = &model.springs[step.springs.iter().position(sideways)?].nodes;
+        Some(nodes.iter().map(height).sum::<f64>() / nodes.len() as f64)
+    };
+    let steps = model.steps.iter();
+    let driven = steps.clone().find_map(of_beam);
+    let top = driven.or_else(|| steps.clone().find_map(of_spring))?;
+    let vertical = model.supports.iter().filter(|s| s.fixed[2]);
+    let held = vertical.flat_map(|s| &s.nodes).map(height);
+    let clear = top - held.fold(f64::NEG_INFINITY, f64::max);
     (clear > 0.0 && clear.is_finite()).then_some(clear)
 }
 

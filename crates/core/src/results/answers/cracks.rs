@@ -17,7 +17,7 @@ pub struct CrackWidths {
     /// Largest opening of a joint; `None` if none is open.
     pub joint: Option<Crack>,
     /// Largest crack in a solid (`crack_width`); `None` if none is cracked.
-    pub unit: Option<Crack>,
+    pub solid: Option<Crack>,
     /// Class of damage of the wider one.
     pub burland_class: u8,
 }
@@ -64,14 +64,14 @@ impl CrackWidths {
             })
         };
         let joint = crack(&snapshot.frame.interfaces.opening, Place::of_point);
-        let unit = crack(&snapshot.frame.crack_width, Place::of_element);
+        let solid = crack(&snapshot.frame.crack_width, Place::of_element);
         let width = |crack: &Option<Crack>| crack.as_ref().map_or(0.0, |c| c.width_mm);
         Self {
             frame: snapshot.number,
             displacement_mm: snapshot.row.as_ref().map(|row| row.displacement_mm),
-            burland_class: burland_class(width(&joint).max(width(&unit))),
+            burland_class: burland_class(width(&joint).max(width(&solid))),
             joint,
-            unit,
+            solid,
         }
     }
 }

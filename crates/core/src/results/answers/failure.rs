@@ -3,7 +3,7 @@
 //! The rule is that of the blind predictions (docs/validation/11-blind/rule.md), which names the mode of 85 % of 74
 //! tests rightly. It is looked up in this order:
 //!
-//! 1. *bed sliding*: the mean slip of a bed joint exceeds [`SLIDES`] of the displacement of the top;
+//! 1. *bed sliding*: the mean slip of a bed joint exceeds [`SLIDES`] of the displacement of the top, and [`OPEN`];
 //! 2. *shear along a diagonal*: in at least [`CUT`] of the courses within the middle half of the height a head joint
 //!    is open by more than [`OPEN`] or a unit is cracked (tensile damage above [`BROKEN`]), and the force has fallen.
 //!    It is *mixed*, with flexure, if at the largest force the resultant in the lowest bed joint lies beyond
@@ -12,7 +12,8 @@
 //! 3. flexure: *toe crushing* if a solid is crushed (compressive damage above 0.25) and the force has fallen, else
 //!    *rocking* if a bed joint is open by more than [`OPEN`], or a head joint or unit as in 2.
 //!
-//! All but the eccentricity are those of the last frame. The eccentricity stands for the largest force over the limit
+//! All but the eccentricity are those of the last frame; of a drive to and fro, of the frame where it is farthest from
+//! its start, the last one of them. The eccentricity stands for the largest force over the limit
 //! of a rigid block, N L/(2 H₀): the moment at the base is V H₀ = N e.
 
 use serde::{Deserialize, Serialize};
@@ -116,7 +117,7 @@ impl FailureMeasure {
                 .iter()
                 .map(|p| joints.slip[*p][0].hypot(joints.slip[*p][1]));
             let slip = slips.sum::<f64>() / bed.len() as f64;
-            // A bed that has moved by less than a joint opens has not failed.
+            // A joint that has slid by less than an open one is open has not failed.
             let over = if travel > 0.0 && slip > OPEN {
                 slip / travel
             } else {
@@ -124,7 +125,7 @@ impl FailureMeasure {
             };
             if self.height_of_slip_mm.is_none() || over > self.slip_over_drift {
                 self.slip_over_drift = over;
-                self.height_of_slip_mm = Some(scene.points[bed[0]].at[2]);
+                self.height_of_slip_mm = Some(scene.points[bed[0]].middle[2]);
             }
             let opening = bed.iter().map(|p| joints.opening[*p]);
             self.bed_opening_mm = opening.fold(self.bed_opening_mm, f64::max);
@@ -137,7 +138,7 @@ impl FailureMeasure {
             let [low, high] = course.levels;
             let mut points = scene.points.iter().zip(&frame.interfaces.opening);
             let open = points.any(|(point, opening)| {
-                let inside = point.at[2] > low && point.at[2] < high;
+                let inside = point.middle[2] > low && point.middle[2] < high;
                 point.lie == Lie::Head && inside && *opening > OPEN
             });
             let broken = |e: &usize| frame.tensile_damage[*e] > BROKEN;
@@ -192,26 +193,18 @@ impl Base {
     pub fn of(scene: &Scene, snapshot: &Snapshot) -> Option<Self> {
         let bed = scene.beds.first()?;
         let traction = &snapshot.frame.interfaces.traction;
-        let along = |p: &usize| scene.points[*p].at[scene.axis];
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let [low, high] = scene.ends_of_base;
         let (mut normal, mut moment) = (0.0, 0.0);
         for p in bed {
-            let force = -traction[*p][0] * scene.points[*p].area;
+            let point = &scene.points[*p];
+            let force = -traction[*p][0] * point.area;
             normal += force;
-            moment += force * along(p);
-            (low, high) = (low.min(along(p)), high.max(along(p)));
+            moment += force * point.at[scene.axis];
         }
-        // Points lie in the middle of their areas, so that half of one is beyond the outermost on either side.
-        let columns = {
-            let mut places: Vec<f64> = bed.iter().map(along).collect();
-            places.sort_by(f64::total_cmp);
-            places.dedup_by(|a, b| (*a - *b).abs() <= 1e-6 * (high - low));
-            places.len()
-        };
-        if normal <= 0.0 || columns < 2 {
+        let length = high - low;
+        if normal <= 0.0 || length <= 0.0 {
             return None;
         }
-        let length = (high - low) * columns as f64 / (columns - 1) as f64;
         let eccentricity = (moment / normal - 0.5 * (low + high)).abs() / (0.5 * length);
         Some(Self {
             normal,

@@ -32,6 +32,9 @@ impl Answers {
                 format!("{} at the peak, over {height:.0} mm", fine_percent(drift)),
             );
         }
+        if let Some(shear) = self.base_shear_at_peak_kN {
+            line("base shear", format!("{shear:.3} kN at the peak"));
+        }
         for (side, found) in [
             ("", self.bilinear),
             ("opposite side: ", self.opposite_bilinear),
@@ -119,7 +122,7 @@ fn of_onset(what: &str, onset: &Onset) -> String {
 }
 
 fn of_cracks(when: &str, cracks: &CrackWidths) -> String {
-    let widest = [("joint", &cracks.joint), ("unit", &cracks.unit)]
+    let widest = [("joint", &cracks.joint), ("solid", &cracks.solid)]
         .into_iter()
         .filter_map(|(what, crack)| Some((what, crack.as_ref()?)))
         .max_by(|a, b| a.1.width_mm.total_cmp(&b.1.width_mm));

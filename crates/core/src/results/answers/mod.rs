@@ -23,6 +23,8 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 pub use backbone::Backbone;
@@ -38,7 +40,7 @@ pub use place::Place;
 use super::snapshot::Snapshots;
 use super::{Curve, FrameChoice, Snapshot};
 use crate::model::Model;
-use crate::state::{Status, Summary};
+use crate::state::{HistoryRow, Status, Summary};
 
 /// Answers of a run; the names of the fields are the keys. What a run does not have is `None` or empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,6 +50,8 @@ pub struct Answers {
     /// Clear height between the supports below and the driven part above [mm]; `None` if nothing above is driven
     /// sideways.
     pub height_mm: Option<f64>,
+    /// Direction in which force and displacement count, such as `x` or `-y`; `None` if nothing is driven.
+    pub drive_direction: Option<String>,
     /// Displacement at the peak over the height [-].
     pub drift_at_peak: Option<f64>,
     /// Secant stiffness up to 0.7 of the peak [kN/mm].
@@ -60,6 +64,11 @@ pub struct Answers {
     pub loops: Vec<Loop>,
     /// First damage.
     pub first_damage: FirstDamage,
+    /// Base shear at the largest force: the sum of the support reactions along the drive, with the sign with which it
+    /// balances the drive [kN]; `None` if nothing is driven sideways.
+    pub base_shear_at_peak_kN: Option<f64>,
+    /// Forces of the supports at the largest force, by the names of `supports/NAME` [kN]. `[xyz]`
+    pub reactions_at_peak_kN: BTreeMap<String, [f64; 3]>,
     /// Mode of failure; `None` if nothing failed or nothing moves sideways.
     pub failure_mode: Option<FailureMode>,
     /// Quantities by which the mode is told; `None` if nothing moves sideways.
@@ -98,28 +107,56 @@ impl Answers {
         let height = super::comparison::clear_height(model);
         let mut answers = Self {
             first_damage: FirstDamage::of(model, &run.first_damage),
+            drive_direction: scene::Drive::of(model).map(scene::Drive::name),
             ..Self::of_curve(curve, height)
         };
-        let at = |choice| frames.and_then(|frames| frames.at(choice).ok());
-        let Some(last) = at(FrameChoice::Last) else {
+        let Some(frames) = frames else {
             return answers;
         };
+        let at = |choice| frames.at(choice).ok();
+        let last = at(FrameChoice::Last);
         let peak = at(FrameChoice::Peak).filter(|_| curve.peak().is_some());
-        answers.cracks_at_end = Some(CrackWidths::of(model, &last));
+        answers.cracks_at_end = last.as_ref().map(|last| CrackWidths::of(model, last));
         answers.cracks_at_peak = peak.as_ref().map(|peak| CrackWidths::of(model, peak));
-        answers.judge(model, run, curve, [peak.as_ref(), Some(&last)]);
+        answers.add_reactions(model, curve, frames);
+        let farthest = frames.farthest_from(curve.start().0);
+        let farthest = farthest.filter(|_| curve.turns_back());
+        let judged = farthest.and_then(|frame| at(FrameChoice::Number(frame)));
+        if let Some(judged) = judged.or(last) {
+            answers.judge((model, run, curve), peak.as_ref(), &judged);
+        }
         answers
+    }
+
+    /// Adds the reactions at the largest force.
+    fn add_reactions(&mut self, model: &Model, curve: &Curve, frames: &Snapshots) {
+        let time = frames.history().time_of_peak();
+        let mut rows = frames.history().rows.iter();
+        let row = rows.find(|row| Some(row.time) == time);
+        let read = |row: &HistoryRow| frames.reactions(row.increment).ok().flatten();
+        let (Some(forces), true) = (row.and_then(read), curve.peak().is_some()) else {
+            return;
+        };
+        for (path, force) in forces {
+            if let Some(name) = path.strip_prefix("supports/") {
+                let force = force.map(|f| 1e-3 * f);
+                self.reactions_at_peak_kN.insert(name.to_owned(), force);
+            }
+        }
+        let drive = scene::Drive::of(model).filter(|drive| drive.axis != 2);
+        self.base_shear_at_peak_kN = drive.map(|drive| {
+            let along = |force: &[f64; 3]| -drive.sense * force[drive.axis];
+            self.reactions_at_peak_kN.values().map(along).sum()
+        });
     }
 
     /// Adds the mode of failure and the performance points, from the frames at the peak and at the end.
     fn judge(
         &mut self,
-        model: &Model,
-        run: &Summary,
-        curve: &Curve,
-        [peak, last]: [Option<&Snapshot>; 2],
+        (model, run, curve): (&Model, &Summary, &Curve),
+        peak: Option<&Snapshot>,
+        last: &Snapshot,
     ) {
-        let Some(last) = last else { return };
         let Some(scene) = scene::Scene::of(model, last) else {
             return;
         };

@@ -74,7 +74,7 @@ impl Place {
 }
 
 /// Middle of the quarter of the facet around a contact point at rest [mm].
-fn middle(model: &Model, point: usize) -> [f64; 3] {
+pub(super) fn middle(model: &Model, point: usize) -> [f64; 3] {
     let corners = model.contact.outline(point / 4, &model.mesh.nodes);
     let mut middle = [0.0; 3];
     for corner in QUARTERS[point % 4] {
@@ -88,7 +88,7 @@ fn middle(model: &Model, point: usize) -> [f64; 3] {
 }
 
 /// Centre of an element at rest [mm].
-pub(super) fn centre(model: &Model, element: usize) -> [f64; 3] {
+fn centre(model: &Model, element: usize) -> [f64; 3] {
     let corners = model.mesh.corners(element);
     [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0)
 }
