@@ -122,9 +122,11 @@ fn a_pier_rocks_about_its_toe() {
     assert!((0.9..=1.0).contains(&(shear / limit)), "{shear} {limit}");
     assert_eq!(found.cracks_at_end.unwrap().burland_class, 2);
     assert_eq!(found.first_damage.joint, None, "dry joints have no bond");
-    // In flexure the limit of EN 1998-3 has H0/D = 1050/400, a little less as the resultant is within the toe.
+    // In flexure the limit of EN 1998-3 has H0/D = 1050/400. The load has moved by 0.16 mm with the top, which adds
+    // 42 kN × 0.16 mm / 8 kN = 0.8 mm to H0.
     let point = &found.performance_points[0];
-    assert!((0.95..=1.0).contains(&(point.drift / (0.008 * 1050.0 / 400.0))));
+    let over = point.drift / (0.008 * 1050.0 / 400.0);
+    assert!((over - 1.0).abs() < 0.002, "{over}");
     assert_eq!(point.force_kN, None, "5 mm are less than the limit");
 }
 

@@ -240,10 +240,9 @@ class Results:
             return None
         sense, axis = (-1.0 if direction.startswith("-") else 1.0), "xy".index(direction[-1])
         supports = [of for name, of in self.reactions.items() if name.startswith("supports/")]
-        # In plain numbers, as the reactions belong to the file.
-        along = np.zeros(self.history.increments)
-        for of in supports:
-            along[: len(of)] -= 1e-3 * sense * of[: len(along), axis]
+        if not supports:
+            return None
+        along: Floats = -1e-3 * sense * np.sum([of[:, axis] for of in supports], axis=0)
         return along
 
     @property

@@ -1,6 +1,6 @@
 //! The answers in lines of text, the same in `wythe info` and the report.
 
-use super::{Answers, Bilinear, CrackWidths, Onset, PerformancePoint, name_of_class};
+use super::{Answers, Bilinear, CrackWidths, LimitState, Onset, PerformancePoint, name_of_class};
 use crate::results::estimate::percent;
 
 /// Largest number of loops in a text: the first and the last are shown of more.
@@ -147,13 +147,12 @@ pub fn of_point(point: &PerformancePoint) -> String {
         || "beyond the end of the run".to_owned(),
         |force| format!("{force:.3} kN"),
     );
-    format!(
-        "{} at a drift of {}: {:.3} mm, {force} ({})",
-        point.limit_state.told(),
-        fine_percent(point.drift),
-        point.displacement_mm,
-        point.source
-    )
+    let (drift, at) = (fine_percent(point.drift), point.displacement_mm);
+    let told = format!("drift {drift}: {at:.3} mm, {force}");
+    match point.limit_state {
+        LimitState::Given => told,
+        state => format!("{}, {told} ({})", state.told(), point.source),
+    }
 }
 
 /// A drift in percent, with two or three digits: `0.35 %`, `1.20 %`.

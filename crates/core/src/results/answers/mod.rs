@@ -189,7 +189,9 @@ fn travel(scene: &scene::Scene, curve: &Curve, last: &Snapshot) -> f64 {
 /// H₀/D at the largest force: the moment in the lowest bed joint over the force, and over the length of the joint [-].
 fn slenderness(scene: &scene::Scene, peak: &Snapshot, curve: &Curve) -> Option<f64> {
     let base = failure::Base::of(scene, peak)?;
-    let force = 1e3 * curve.peak()?.force.abs();
+    // The force of the frame, which may lie beside the peak.
+    let of_frame = peak.row.as_ref().map(|row| row.force_kN);
+    let force = 1e3 * of_frame.or(curve.peak().map(|p| p.force))?.abs();
     let moment = base.normal * base.eccentricity * 0.5 * base.length;
     (force > 0.0).then(|| moment / force / base.length)
 }

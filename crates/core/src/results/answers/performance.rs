@@ -72,20 +72,19 @@ pub fn of_code(
 ) -> Vec<PerformancePoint> {
     let flexure = || {
         let slenderness = slenderness?;
-        let source = format!(
-            "EN 1998-3:2005, C.4.2.1: primary wall, flexure, 0.008 H0/D with H0/D = {slenderness:.2}"
-        );
+        let source =
+            format!("EN 1998-3:2005, C.4.2.1, flexure: 0.008 H0/D, H0/D = {slenderness:.2}");
         Some((FLEXURE * slenderness, source))
     };
     let shear = || {
-        let source = "EN 1998-3:2005, C.4.3.1: primary wall, shear, 0.004".to_owned();
+        let source = "EN 1998-3:2005, C.4.3.1, shear: 0.004".to_owned();
         Some((SHEAR, source))
     };
     let limit = if mode.is_shear() { shear() } else { flexure() };
     let Some((drift, source)) = limit else {
         return Vec::new();
     };
-    let collapse = format!("{source}; near collapse 4/3 of it");
+    let collapse = "EN 1998-3:2005, annex C: 4/3 of significant damage".to_owned();
     vec![
         point(
             side,

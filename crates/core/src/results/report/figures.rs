@@ -2,7 +2,7 @@
 
 use super::Experiment;
 use super::page::escape;
-use crate::results::answers::name_of_class;
+use crate::results::answers::{PerformancePoint, name_of_class};
 use crate::results::plot;
 use crate::results::{Answers, ReadHistory, SummaryFile};
 
@@ -149,13 +149,18 @@ fn answered(answers: &Answers) -> Vec<Tile> {
             note,
         );
     }
-    for point in &answers.performance_points {
-        let force = point.force_kN.map_or_else(|| "–".to_owned(), brief);
-        let (drift, at) = (brief(100.0 * point.drift), brief(point.displacement_mm));
-        let note = format!("{}, {drift} % drift, {at} mm", point.limit_state.told());
-        tile("EN 1998-3", force, "kN", note);
-    }
+    tiles.extend(answers.performance_points.iter().map(limit));
     tiles
+}
+
+fn limit(point: &PerformancePoint) -> Tile {
+    let (drift, at) = (brief(100.0 * point.drift), brief(point.displacement_mm));
+    Tile {
+        name: "EN 1998-3",
+        value: point.force_kN.map_or_else(|| "–".to_owned(), brief),
+        unit: "kN",
+        note: format!("{}, {drift} % drift, {at} mm", point.limit_state.told()),
+    }
 }
 
 fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {

@@ -97,8 +97,6 @@ impl Report {
         let history = folder.history()?;
         let mut notes = Vec::new();
         let summary = or_note(folder.summary(), &mut notes).flatten();
-        // The same failure is noted already.
-        let answers = folder.answers().ok();
         let deck = or_note(folder.deck(), &mut notes).flatten();
         let fields = or_note(folder.fields(), &mut notes);
         let scene = fields.as_ref().and_then(|file| {
@@ -127,7 +125,7 @@ impl Report {
             title: &title,
             history: &history,
             summary: summary.as_ref(),
-            answers: answers.as_ref(),
+            answers: folder.answers().ok(),
             deck: deck.as_deref(),
             experiment,
         };
@@ -252,7 +250,8 @@ struct Text<'a> {
     title: &'a str,
     history: &'a ReadHistory,
     summary: Option<&'a SummaryFile>,
-    answers: Option<&'a Answers>,
+    /// None if a file cannot be read, which is noted already.
+    answers: Option<Answers>,
     deck: Option<&'a str>,
     experiment: Option<&'a Experiment>,
 }
@@ -278,7 +277,11 @@ impl Text<'_> {
             || "<p class=\"empty\">The folder holds no copy of the deck.</p>".to_owned(),
             |deck| format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(deck)),
         );
-        let figures = figures::tiles(self.history, (self.summary, self.answers), self.experiment);
+        let figures = figures::tiles(
+            self.history,
+            (self.summary, self.answers.as_ref()),
+            self.experiment,
+        );
         // In a collapse the message equals the verdict.
         let message = if message == verdict { "" } else { message };
         let estimate = self.summary.and_then(|s| s.error_estimate.as_ref());
