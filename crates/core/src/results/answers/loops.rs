@@ -92,8 +92,12 @@ fn closed(
     near: f64,
 ) -> Option<Loop> {
     let end = path.last()?;
-    let far = path.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let back = path.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // Of equal ones the first, at which the drive arrives.
+    let outermost = |sign: f64| {
+        path.iter()
+            .min_by(|a, b| (-sign * a.0).total_cmp(&(-sign * b.0)))
+    };
+    let (far, back) = (outermost(1.0)?, outermost(-1.0)?);
     let went = far.0 > near || back.0 < -near;
     if !went || end.0.abs() > near {
         return None;
