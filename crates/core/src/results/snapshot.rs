@@ -160,22 +160,21 @@ impl Snapshots {
         best.map(|(frame, _)| frame)
     }
 
-    /// External forces on beams, supports and loads at an increment, from 1 [N]; `None` if the file has no such row.
+    /// External forces on beams, supports and loads at an increment, from 1 [N]; empty if the file has no such row.
     /// Names are paths, as `supports/bottom`.
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn reactions(
-        &self,
-        increment: usize,
-    ) -> Result<Option<Vec<(String, [f64; 3])>>, ReadError> {
+    pub fn reactions(&self, increment: usize) -> Result<Vec<(String, [f64; 3])>, ReadError> {
         let all = self.file.reactions().map_err(|why| ReadError::Read {
             path: self.file.path().to_owned(),
             why,
         })?;
-        let row = |of: Vec<[f64; 3]>| of.get(increment.checked_sub(1)?).copied();
-        let named = all.into_iter().map(|(name, of)| Some((name, row(of)?)));
-        Ok(named.collect())
+        let row = |of: &[[f64; 3]]| of.get(increment.checked_sub(1)?).copied();
+        let named = all.into_iter();
+        Ok(named
+            .filter_map(|(name, of)| Some((name, row(&of)?)))
+            .collect())
     }
 
     /// Reads a frame.

@@ -133,7 +133,7 @@ impl Answers {
         let time = frames.history().time_of_peak();
         let mut rows = frames.history().rows.iter();
         let row = rows.find(|row| Some(row.time) == time);
-        let read = |row: &HistoryRow| frames.reactions(row.increment).ok().flatten();
+        let read = |row: &HistoryRow| frames.reactions(row.increment).ok();
         let (Some(forces), true) = (row.and_then(read), curve.peak().is_some()) else {
             return;
         };
@@ -142,6 +142,9 @@ impl Answers {
                 let force = force.map(|f| 1e-3 * f);
                 self.reactions_at_peak_kN.insert(name.to_owned(), force);
             }
+        }
+        if self.reactions_at_peak_kN.is_empty() {
+            return;
         }
         let drive = scene::Drive::of(model).filter(|drive| drive.axis != 2);
         self.base_shear_at_peak_kN = drive.map(|drive| {
