@@ -84,13 +84,14 @@ pub fn clear_height(model: &Model) -> Option<f64> {
     let height = |n: &u32| model.mesh.nodes[*n as usize][2];
     let of_beam = |step: &Step| {
         let (beam, axis) = step.driven?;
-        let moves = matches!(step.motion[beam][axis], BeamMotion::Driven(_));
-        let nodes = model.beams[beam].nodes.iter();
+        let moves = matches!(step.motion.get(beam)?[axis], BeamMotion::Driven(_));
+        let nodes = model.beams.get(beam)?.nodes.iter();
         (moves && axis != 2).then(|| nodes.map(height).fold(f64::INFINITY, f64::min))
     };
     let of_spring = |step: &Step| {
         let sideways = |by: &[f64; 3]| by[0] != 0.0 || by[1] != 0.0;
-        let nodes = &model.springs[step.springs.iter().position(sideways)?].nodes;
+        let driven = step.springs.iter().position(sideways)?;
+        let nodes = &model.springs.get(driven)?.nodes;
         Some(nodes.iter().map(height).sum::<f64>() / nodes.len() as f64)
     };
     let steps = model.steps.iter();
