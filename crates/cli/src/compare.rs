@@ -1,9 +1,6 @@
 //! `wythe compare`: compares a run with an experiment.
 
-use wythe_core::deck::Deck;
-use wythe_core::model::Model;
-use wythe_core::results::comparison::{Comparison, Measures, clear_height};
-use wythe_core::results::output::DECK;
+use wythe_core::results::comparison::{Comparison, Measures};
 use wythe_core::results::{self, Experiment, RunFolder};
 
 use crate::arguments::Compare;
@@ -15,7 +12,7 @@ pub fn compare(arguments: &Compare) -> Result<(), Failure> {
     let folder = RunFolder::open(&arguments.folder)?;
     let experiment = Experiment::read(&arguments.experiment)?;
     let curve = folder.history()?.curve();
-    let height = arguments.height.or_else(|| height_of(&folder));
+    let height = arguments.height.or_else(|| folder.clear_height());
     let found = results::compare(&curve, &experiment, height);
     if !arguments.json {
         return print(&table(&found));
@@ -23,14 +20,6 @@ pub fn compare(arguments: &Compare) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(&found)
         .map_err(|error| Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}"))))?;
     print(&format!("{json}\n"))
-}
-
-/// Clear height from the copy of the deck; none if there is no deck or it cannot be built.
-fn height_of(folder: &RunFolder) -> Option<f64> {
-    let deck = Deck::load(folder.path().join(DECK), &[]).ok()?;
-    let deck = folder.place(deck);
-    let (model, _) = Model::from_deck(&deck).ok()?;
-    clear_height(&model)
 }
 
 /// A row of the table: label, number of decimals, and value.

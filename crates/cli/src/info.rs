@@ -6,6 +6,7 @@ use std::path::Path;
 use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::model::{self, Model};
+use wythe_core::results::answers::{Answers, Backbone, Line, at_drifts, of_point};
 use wythe_core::results::output::{
     CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
     REPORT, SUMMARY,
@@ -31,9 +32,16 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
         path.extension()
             .is_some_and(|e| e.eq_ignore_ascii_case(ending))
     };
+    if arguments.drifts.is_some() && !path.is_dir() {
+        return Err(Failure::Model(miette::miette!(
+            help = "name a folder of results",
+            "--drifts: {} is no folder of results, which has a curve",
+            path.display()
+        )));
+    }
     let mut text = String::new();
     let told = if path.is_dir() {
-        folder(&mut text, &RunFolder::open(path)?)?
+        folder(&mut text, &RunFolder::open(path)?, arguments)?
     } else if is("toml") {
         model(&mut text, path)?
     } else if is("vtkhdf") || is("hdf") || is("h5") {
@@ -56,8 +64,10 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
 /// Result of writing text to a string, which does not fail.
 type Told = std::fmt::Result;
 
-fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
+fn folder(text: &mut String, folder: &RunFolder, asked: &Info) -> Result<Told, Failure> {
     let (history, summary) = (folder.history()?, folder.summary()?);
+    let answers = folder.answers()?;
+    let given = given_drifts(&history, &answers, asked)?;
     // A damaged file of fields, as of a killed run, must not hide the rest.
     let fields = folder.fields();
     let about = fields
@@ -88,6 +98,7 @@ fn folder(text: &mut String, folder: &RunFolder) -> Result<Told, Failure> {
         }
         steps(text, &history)?;
         curve(text, &history)?;
+        told(text, answers.lines().iter().chain(&given))?;
         if let Some(summary) = &summary {
             errors(text, summary)?;
             cost(text, summary)?;
@@ -192,6 +203,46 @@ fn curve(text: &mut String, history: &ReadHistory) -> Told {
         Some(k) => writeln!(text, "              initial stiffness {k:.2} kN/mm"),
         None => Ok(()),
     }
+}
+
+/// Lines under their headings; a heading stands once.
+fn told<'a>(text: &mut String, lines: impl Iterator<Item = &'a Line>) -> Told {
+    let mut before = "";
+    for line in lines {
+        let head = if line.head == before { "" } else { line.head };
+        writeln!(text, "  {head:10}  {}", line.text)?;
+        before = line.head;
+    }
+    Ok(())
+}
+
+/// Points of the curve at the drifts of `--drifts`.
+fn given_drifts(
+    history: &ReadHistory,
+    answers: &Answers,
+    asked: &Info,
+) -> Result<Vec<Line>, Failure> {
+    let Some(drifts) = &asked.drifts else {
+        return Ok(Vec::new());
+    };
+    let side = Backbone::of(&history.curve(), false).ok_or_else(|| {
+        Failure::Model(miette::miette!(
+            help = "ask for drifts of a run that drives a face, a beam or a spring",
+            "--drifts: nothing was driven"
+        ))
+    })?;
+    let height = asked.height.or(answers.height_mm).ok_or_else(|| {
+        Failure::Model(miette::miette!(
+            help = "say --height MM",
+            "--drifts: the model has no clear height, as nothing above its supports is driven sideways"
+        ))
+    })?;
+    let line = |point| Line {
+        head: "drifts",
+        text: of_point(&point),
+    };
+    let points = at_drifts(&side, height, &drifts.0);
+    Ok(points.into_iter().map(line).collect())
 }
 
 fn errors(text: &mut String, s: &SummaryFile) -> Told {

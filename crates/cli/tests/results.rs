@@ -358,3 +358,77 @@ fn exports_are_written_and_damaged_files_refused() {
     let output = wythe(&["info", &text(&half)]);
     assert!(said(&output).contains("no summary") && said(&output).contains("cannot be resumed"));
 }
+
+#[test]
+fn answers_are_in_the_summary_and_in_what_info_says() {
+    let summary = std::fs::read_to_string(run().join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let answers = &summary["answers"];
+    // A couplet that is pulled: nothing is driven sideways.
+    assert!(answers["height_mm"].is_null() && answers["failure_mode"].is_null());
+    let bilinear = &answers["bilinear"];
+    assert_eq!(bilinear["reached_80_percent"], true);
+    let at = |key: &str| bilinear[key].as_f64().unwrap();
+    let yields = at("ultimate_force_kN") / at("stiffness_kN_per_mm");
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few operations
+    assert!(close(yields, at("yield_displacement_mm")), "{bilinear}");
+    let ductility = at("ultimate_displacement_mm") / yields;
+    assert!(close(ductility, at("ductility")), "{bilinear}");
+    let first = &answers["first_damage"]["joint"];
+    assert_eq!(first["place"]["interface"], "joint");
+    assert_eq!(first["place"]["bodies"].as_array().unwrap().len(), 2);
+    let history = std::fs::read_to_string(run().join("history.csv")).unwrap();
+    let damage = column(&history, "max_interface_damage");
+    let row = damage.iter().position(|d| *d > 0.0).unwrap();
+    assert_eq!(first["increment"], row + 1);
+    assert_eq!(first["force_kN"], column(&history, "force_kN")[row]);
+    let info = said(&wythe(&["info", &text(run())]));
+    for part in ["bilinear ", "first ", "joint softens at", "cracks "] {
+        assert!(info.contains(part), "{part} in {info}");
+    }
+    // The opening at the end, from the fields of the run.
+    let output = wythe(&[
+        "export",
+        &text(run()),
+        "--to",
+        "csv",
+        "--out",
+        &text(&run().join("t")),
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let table = std::fs::read_dir(run().join("t")).unwrap();
+    let table = table.map(|entry| entry.unwrap().path());
+    let table = table.filter(|path| text(path).ends_with("_interfaces.csv"));
+    let table = std::fs::read_to_string(table.last().unwrap()).unwrap();
+    let widest = column(&table, "opening_mm").into_iter().fold(0.0, f64::max);
+    assert_eq!(answers["cracks_at_end"]["joint"]["width_mm"], widest);
+    std::fs::remove_dir_all(run().join("t")).unwrap();
+}
+
+#[test]
+fn drifts_of_the_user_are_told_and_wrong_ones_refused() {
+    let info = |more: &[&str]| wythe(&[&["info", &text(run())], more].concat());
+    let output = info(&["--drifts", "0.01 %, 0.0001", "--height", "100"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    // Both are 0.01 mm; the force is that of the curve there.
+    let lines: Vec<String> = said(&output)
+        .lines()
+        .filter(|line| line.contains("0.010 mm"))
+        .map(|line| line.trim_start_matches("  drifts").trim().to_owned())
+        .collect();
+    assert_eq!(lines.len(), 2, "{}", said(&output));
+    assert_eq!(lines[0], lines[1]);
+    assert!(lines[0].contains("kN"), "{}", lines[0]);
+    for (arguments, why) in [
+        (&["--drifts", "0.1 %"][..], "no clear height"),
+        (&["--drifts", "none"], "`none` is no number above 0"),
+        (&["--drifts", "-1 %"], "no number above 0"),
+        (&["--height", "100"], "--drifts"),
+    ] {
+        let output = info(arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    }
+    let output = wythe(&["info", &couplet(), "--drifts", "1 %"]);
+    assert_eq!(code(&output), 2);
+}

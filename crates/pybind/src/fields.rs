@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use wythe_core::results::FieldsFile;
 use wythe_core::results::vtkhdf::field::Values;
 
@@ -47,6 +48,16 @@ impl Fields {
     fn increments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let increments = self.file.increments().iter().map(|&i| i as i64).collect();
         flat::<i64>(py, increments)
+    }
+
+    /// External forces on beams, supports and loads [N], (increments, 3) each, by their paths in the history.
+    fn reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = py.detach(|| self.file.reactions());
+        let forces = PyDict::new(py);
+        for (name, of) in all.map_err(|why| self.unread(py, why))? {
+            forces.set_item(name, rows(py, of)?)?;
+        }
+        Ok(forces)
     }
 
     /// Title of the model and version of the program.

@@ -6,15 +6,13 @@ use numpy::Element;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use wythe_core::deck::Deck;
 use wythe_core::files::write_whole;
-use wythe_core::model::Model;
 use wythe_core::results;
-use wythe_core::results::comparison::{clear_height, points_of};
+use wythe_core::results::answers::Backbone;
+use wythe_core::results::comparison::points_of;
 use wythe_core::results::elevation::crack_pattern_of;
 use wythe_core::results::export::{frame_name, table, vtu};
 use wythe_core::results::mcap::salvage::salvage as rescue;
-use wythe_core::results::output::DECK;
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{self, Line, load_displacements};
 use wythe_core::results::snapshot::Snapshots;
@@ -54,6 +52,42 @@ pub fn history(py: Python<'_>, folder: PathBuf) -> PyResult<(Columns<'_>, Vec<St
     }
     columns.set_item("driven", flat(py, driven)?)?;
     Ok((columns, read.probes))
+}
+
+/// The answers of a run as JSON, and in lines: heading and text.
+#[pyfunction]
+pub fn answers(py: Python<'_>, folder: PathBuf) -> PyResult<(String, Vec<(String, String)>)> {
+    let read = py.detach(|| RunFolder::open(&folder)?.answers());
+    let answers = read.map_err(|error| errors::of_reading(py, &error))?;
+    let lines = answers.lines().into_iter();
+    let lines = lines.map(|line| (line.head.to_owned(), line.text));
+    let text = serde_json::to_string(&answers);
+    let text = text.map_err(|error| errors::bug(&format!("answers as JSON: {error}")))?;
+    Ok((text, lines.collect()))
+}
+
+/// Points of the curve at drifts [-] over a height [mm], by default that of the answers, as JSON.
+#[pyfunction]
+#[pyo3(signature = (folder, drifts, height))]
+pub fn at_drifts(
+    py: Python<'_>,
+    folder: PathBuf,
+    drifts: Vec<f64>,
+    height: Option<f64>,
+) -> PyResult<String> {
+    let read = py.detach(|| {
+        let folder = RunFolder::open(&folder)?;
+        let curve = folder.history()?.curve();
+        Ok((curve, folder.answers()?.height_mm))
+    });
+    let (curve, own) = read.map_err(|error: ReadError| errors::of_reading(py, &error))?;
+    let side = Backbone::of(&curve, false)
+        .ok_or_else(|| PyValueError::new_err("drifts: nothing was driven"))?;
+    let height = height.or(own).ok_or_else(|| {
+        PyValueError::new_err("height: the model has no clear height: give one [mm]")
+    })?;
+    let points = results::answers::at_drifts(&side, height, &drifts);
+    serde_json::to_string(&points).map_err(|error| errors::bug(&format!("as JSON: {error}")))
 }
 
 /// Lines of the estimated error of a run; none if it has no estimate.
@@ -135,19 +169,13 @@ pub fn compare(
 ) -> PyResult<String> {
     let experiment = measured(py, &experiment)?;
     let found = py.detach(|| {
-        let curve = RunFolder::open(&folder)?.history()?.curve();
-        let height = height.or_else(|| height_of(&folder));
+        let folder = RunFolder::open(&folder)?;
+        let curve = folder.history()?.curve();
+        let height = height.or_else(|| folder.clear_height());
         Ok(results::compare(&curve, &experiment, height))
     });
     let found = found.map_err(|error: ReadError| errors::of_reading(py, &error))?;
     serde_json::to_string(&found).map_err(|error| errors::bug(&format!("as JSON: {error}")))
-}
-
-/// Clear height [mm] from the copy of the deck, if there is one that can be built.
-fn height_of(folder: &Path) -> Option<f64> {
-    let deck = Deck::load(folder.join(DECK), &[]).ok()?;
-    let (model, _) = Model::from_deck(&deck).ok()?;
-    clear_height(&model)
 }
 
 /// Writes the report and returns its notes.

@@ -29,8 +29,8 @@ mod _wythe {
     use crate::fields::Fields;
     #[pymodule_export]
     use crate::folder::{
-        collection, compare, error_lines, experiment, export_frame, figures, history, picture, png,
-        report, salvage, summary, time_of_peak,
+        answers, at_drifts, collection, compare, error_lines, experiment, export_frame, figures,
+        history, picture, png, report, salvage, summary, time_of_peak,
     };
     #[pymodule_export]
     use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};

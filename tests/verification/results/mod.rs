@@ -1,4 +1,5 @@
 //! Tests of the module `results`.
 
+mod answers;
 mod files;
 mod probes;

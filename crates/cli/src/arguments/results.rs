@@ -42,11 +42,13 @@ Examples:
   wythe evaluate wall.out --json > wall.json";
 
 pub(super) const INFO_HELP: &str = "\
-Of a folder of results: how the run went, its sizes and files; of a file of fields: its frames and \
+Of a folder of results: how the run went, its answers (stiffness, bilinear curve, first damage, mode of \
+failure, cracks, drift limits), sizes and files; of a file of fields: its frames and \
 meshes; of a model: what it is made of.
 
 Examples:
   wythe info wall.out
+  wythe info wall.out --drifts '0.3 %, 0.6 %'
   wythe info wall.out/results.vtkhdf
   wythe info examples/03_shear_wall_j7d.toml";
 
@@ -120,6 +122,38 @@ pub struct Evaluate {
 pub struct Info {
     /// A folder of results, a results.vtkhdf, or a model.
     pub path: PathBuf,
+    /// Limits of drift at which force and displacement are told, as in "0.3 %, 0.6 %" or 0.003,0.006.
+    #[arg(long, value_name = "DRIFTS", value_parser = drifts)]
+    pub drifts: Option<Drifts>,
+    /// Clear height for these drifts [mm] [default: that of the model].
+    #[arg(long, value_name = "MM", requires = "drifts", value_parser = positive)]
+    pub height: Option<f64>,
+}
+
+/// Limits of drift [-].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drifts(pub Vec<f64>);
+
+/// Reads limits of drift: numbers, in percent where a % follows, with commas between.
+fn drifts(text: &str) -> Result<Drifts, String> {
+    let one = |word: &str| {
+        let word = word.trim();
+        let (number, unit) = match word.strip_suffix('%') {
+            Some(number) => (number.trim_end(), 0.01),
+            None => (word, 1.0),
+        };
+        positive(number).map(|number| unit * number)
+    };
+    text.split(',')
+        .map(one)
+        .collect::<Result<_, _>>()
+        .map(Drifts)
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    let number = number.filter(|number| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| format!("`{text}` is no number above 0"))
 }
 
 /// `wythe export`

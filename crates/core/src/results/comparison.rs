@@ -6,6 +6,7 @@ use super::Curve;
 use super::branch::{self, Branch};
 use crate::experiment::{Experiment, Point};
 use crate::model::Model;
+use crate::model::scene::Step;
 
 /// Quantities read from a curve; displacements and forces are positive along the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -76,17 +77,29 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     }
 }
 
-/// Height between the supports below and the driven beam above [mm]; `None` if nothing is driven sideways or the beam
-/// does not lie above the supports.
+/// Height between the supports below, which hold vertically, and the driven part above [mm]: the lowest node of a
+/// driven beam, or the mean of the nodes of a spring whose end is driven. `None` if nothing is driven sideways, or not
+/// above the supports.
 pub fn clear_height(model: &Model) -> Option<f64> {
-    let driven = model.steps.iter().find_map(|step| {
-        let driven = step.driven?;
-        (driven.way(step).is_some() && driven.direction[2] == 0.0).then_some(driven.beam)
-    })?;
     let height = |n: &u32| model.mesh.nodes[*n as usize][2];
-    let beam = model.beams[driven].nodes.iter().map(height);
-    let held = model.supports.iter().flat_map(|s| &s.nodes).map(height);
-    let clear = beam.fold(f64::INFINITY, f64::min) - held.fold(f64::NEG_INFINITY, f64::max);
+    let of_beam = |step: &Step| {
+        let driven = step.driven?;
+        let moves = driven.way(step).is_some() && driven.direction[2] == 0.0;
+        let nodes = model.beams.get(driven.beam)?.nodes.iter();
+        moves.then(|| nodes.map(height).fold(f64::INFINITY, f64::min))
+    };
+    let of_spring = |step: &Step| {
+        let sideways = |by: &[f64; 3]| by[0] != 0.0 || by[1] != 0.0;
+        let driven = step.springs.iter().position(sideways)?;
+        let nodes = &model.springs.get(driven)?.nodes;
+        Some(nodes.iter().map(height).sum::<f64>() / nodes.len() as f64)
+    };
+    let steps = model.steps.iter();
+    let driven = steps.clone().find_map(of_beam);
+    let top = driven.or_else(|| steps.clone().find_map(of_spring))?;
+    let vertical = model.supports.iter().filter(|s| s.fixed[2]);
+    let held = vertical.flat_map(|s| &s.nodes).map(height);
+    let clear = top - held.fold(f64::NEG_INFINITY, f64::max);
     (clear > 0.0 && clear.is_finite()).then_some(clear)
 }
 

@@ -94,7 +94,7 @@ impl Curve {
     }
 
     /// Increments whose force may be a peak: those in equilibrium, or all if there is none.
-    fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
+    pub(super) fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
         let all = self.moving.iter().all(|moving| *moving);
         let points = self.points.iter().enumerate();
         points.filter(move |(index, _)| all || !self.moving[*index])

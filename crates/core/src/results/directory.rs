@@ -14,11 +14,12 @@ use super::output::{
     CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
     OF_A_RUN, OutputError, REPORT, SUMMARY, spare_inputs,
 };
+use super::snapshot::Snapshots;
 use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
-    Curve, HistoryWriter, McapWriter, StepOfCurve, SummaryFile, VtkHdfWriter, elevation, plot,
-    usage,
+    Answers, Curve, HistoryWriter, McapWriter, RunFolder, StepOfCurve, SummaryFile, VtkHdfWriter,
+    elevation, plot, usage,
 };
 use crate::deck::Deck;
 use crate::files::{self, write_whole};
@@ -307,6 +308,9 @@ impl RunDirectory {
         let farthest = frame.and_then(|frame| Farthest::of(model, frame));
         let verdict = Verdict::on(model, run, &curve, farthest.as_ref(), motion);
         writing(&path, FIELDS, |_| fields.finish())?;
+        // Fields that cannot be read back leave out the answers that need them, and end no run.
+        let frames = RunFolder::open(&path).and_then(|folder| Snapshots::open(&folder));
+        let answers = Answers::of_run(model, run, &curve, frames.as_ref().ok());
         writing(&path, LOAD_DISPLACEMENT, |file| {
             let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
             write_whole(file, svg.as_bytes())
@@ -329,6 +333,7 @@ impl RunDirectory {
                 curve: &curve,
                 verdict: &verdict,
                 energy: &energy,
+                answers: Some(&answers),
                 probes: &columns.zip(probes.iter().copied()).collect(),
                 wall_s,
                 cpu_s,

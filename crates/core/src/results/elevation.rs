@@ -13,10 +13,8 @@ use std::fmt::Write as _;
 
 use super::Snapshot;
 use crate::model::{Mesh, Model};
+pub use crate::state::CRUSHED;
 use crate::state::{Frame, InterfaceState};
-
-/// Compressive damage above which an element is drawn as crushed [-]: a quarter of the stress is lost.
-pub const CRUSHED: f64 = 0.25;
 
 /// Local nodes of the face at −y, counter-clockwise seen from outside.
 pub const FRONT: [usize; 4] = [0, 1, 5, 4];

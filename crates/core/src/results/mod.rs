@@ -9,11 +9,14 @@
 //!                                               ├─▶ checkpoint.bin       state to resume from, replaced during the run
 //!                                               ├─▶ load_displacement.svg, crack_pattern.svg
 //!                                               └─▶ summary.json         written last: marks a complete folder
+//! `answers` holds what engineers and codes ask of a run; RunDirectory puts it into summary.json at the end.
 //! RunFolder reads them: report (one page), plotting (pictures), comparison (with an experiment), export (VTU,
 //! CSV, INP). StoppedRun resumes from them. `estimate` runs companions below the folder and adds the error of the
 //! figures to summary.json.
 //! ```
 
+#[cfg(feature = "run-folder")]
+pub mod answers;
 #[cfg(feature = "run-folder")]
 mod beside;
 pub mod branch;
@@ -59,6 +62,8 @@ pub mod vtkhdf;
 pub(crate) mod fake;
 
 pub use crate::experiment::{Experiment, ExperimentError};
+#[cfg(feature = "run-folder")]
+pub use answers::Answers;
 pub use comparison::{Comparison, compare};
 pub use curve::{Curve, StepOfCurve};
 #[cfg(feature = "run-folder")]

@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 use miette::Diagnostic;
 
 use super::checkpoint::CheckpointFile;
+use super::comparison::clear_height;
 use super::output::{CHECKPOINT, DECK, FIELDS, HISTORY, SUMMARY};
 use super::vtkhdf::read::FieldsFile;
-use super::{Curve, StepOfCurve, SummaryFile};
+use super::{Answers, Curve, StepOfCurve, SummaryFile};
 use crate::deck::Deck;
 use crate::files;
+use crate::model::Model;
 use crate::model::columns::FIXED;
 use crate::state::HistoryRow;
 
@@ -174,6 +176,28 @@ impl RunFolder {
                 line: Some(e.line() as u64),
                 why: e.to_string(),
             })
+    }
+
+    /// The answers of the run. Without a summary that has them they are those of the curve, with the clear height of
+    /// the deck in the folder.
+    ///
+    /// # Errors
+    /// The history or the summary cannot be read.
+    pub fn answers(&self) -> Result<Answers, ReadError> {
+        if let Some(answers) = self.summary()?.and_then(|summary| summary.answers) {
+            return Ok(answers);
+        }
+        Ok(Answers::of_curve(
+            &self.history()?.curve(),
+            self.clear_height(),
+        ))
+    }
+
+    /// Clear height of the model of the run [mm]; `None` if it has none, or if its deck cannot be read any more.
+    pub fn clear_height(&self) -> Option<f64> {
+        let deck = Deck::load(self.path.join(DECK), &[]).ok()?;
+        let (model, _) = Model::from_deck(&self.place(deck)).ok()?;
+        clear_height(&model)
     }
 
     /// The deck of the run with its overrides; `None` if the folder has no copy.

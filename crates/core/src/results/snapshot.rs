@@ -144,6 +144,39 @@ impl Snapshots {
         (0..times.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
+    /// The last frame of those at which the drive is farthest from a displacement [mm]; `None` without frames.
+    pub fn farthest_from(&self, displacement: f64) -> Option<usize> {
+        let mut best = None;
+        for (frame, increment) in self.file.increments().iter().enumerate() {
+            let row = increment
+                .checked_sub(1)
+                .and_then(|i| self.history.rows.get(i));
+            let Some(row) = row else { continue };
+            let away = (row.displacement_mm - displacement).abs();
+            if best.is_none_or(|(_, most)| away >= most) {
+                best = Some((frame, away));
+            }
+        }
+        best.map(|(frame, _)| frame)
+    }
+
+    /// External forces on beams, supports and loads at an increment, from 1 [N]; empty if the file has no such row.
+    /// Names are paths, as `supports/bottom`.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn reactions(&self, increment: usize) -> Result<Vec<(String, [f64; 3])>, ReadError> {
+        let all = self.file.reactions().map_err(|why| ReadError::Read {
+            path: self.file.path().to_owned(),
+            why,
+        })?;
+        let row = |of: &[[f64; 3]]| of.get(increment.checked_sub(1)?).copied();
+        let named = all.into_iter();
+        Ok(named
+            .filter_map(|(name, of)| Some((name, row(&of)?)))
+            .collect())
+    }
+
     /// Reads a frame.
     ///
     /// # Errors

@@ -7,6 +7,8 @@ use std::path::Path;
 use crate::files::write_whole;
 use crate::model::mirrored::part;
 
+#[cfg(feature = "run-folder")]
+use super::Answers;
 use super::estimate::ErrorEstimate;
 use super::{Curve, Verdict, VerdictKind};
 use crate::state::{EnergyBalance, Fall, Status, Summary};
@@ -101,6 +103,10 @@ pub struct SummaryFile {
     /// Ranges of probes and loads by their history columns; absent without any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, ProbeRange>,
+    /// Answers in the terms of engineers and codes; `None` in summaries of earlier versions.
+    #[cfg(feature = "run-folder")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub answers: Option<Answers>,
     /// Estimate of the error by discretisation, if the run has companions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_estimate: Option<ErrorEstimate>,
@@ -167,6 +173,9 @@ pub struct Measured<'a> {
     pub energy: &'a EnergyBalance,
     /// Ranges of the probes by column.
     pub probes: &'a BTreeMap<String, ProbeRange>,
+    /// The answers.
+    #[cfg(feature = "run-folder")]
+    pub answers: Option<&'a Answers>,
     /// Wall-clock time of the run [s].
     pub wall_s: f64,
     /// CPU time of the run [s].
@@ -229,6 +238,8 @@ impl SummaryFile {
             displacement_at_opposite_peak_mm: opposite.map(|p| p.displacement),
             fall: run.fall.clone(),
             probes: measured.probes.clone(),
+            #[cfg(feature = "run-folder")]
+            answers: measured.answers.cloned(),
             error_estimate: None,
         }
     }
@@ -269,6 +280,8 @@ mod tests {
             curve: &curve,
             energy: &energy,
             probes: &BTreeMap::new(),
+            #[cfg(feature = "run-folder")]
+            answers: None,
             wall_s: 1.5,
             cpu_s: Some(3.0),
             peak_rss_megabytes: None,

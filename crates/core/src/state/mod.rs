@@ -4,6 +4,7 @@
 mod clock;
 mod energies;
 mod energy_balance;
+mod first_damage;
 mod frame;
 mod history_row;
 mod method;
@@ -20,6 +21,7 @@ use crate::material::MaterialHistory;
 pub use clock::Clock;
 pub use energies::{Energies, QUIET};
 pub use energy_balance::EnergyBalance;
+pub use first_damage::{CRACKED, CRUSHED, FirstDamage, Onset};
 pub use frame::{Frame, InterfaceFrame, InterfaceState, OutputField};
 pub use history_row::HistoryRow;
 pub use method::Method;

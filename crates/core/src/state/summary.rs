@@ -1,5 +1,6 @@
 //! End of a run, as the solver knows it.
 
+use super::FirstDamage;
 use crate::model::mirrored::MirrorPlane;
 use crate::model::sizes::Sizes;
 
@@ -93,6 +94,8 @@ pub struct Summary {
     pub seconds_by_phase: [f64; 6],
     /// Threads used.
     pub threads: usize,
+    /// First damage of joints and solids.
+    pub first_damage: FirstDamage,
     /// Warnings of the run. Those of the model belong to the checker.
     pub warnings: Vec<String>,
     /// Changes of procedure and their reasons.
@@ -118,6 +121,7 @@ impl Summary {
             evaluations: 0,
             seconds_by_phase: [0.0; 6],
             threads,
+            first_damage: FirstDamage::default(),
             warnings: Vec::new(),
             log: Vec::new(),
         }

@@ -9,7 +9,7 @@ import os
 import shutil
 import tempfile
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Union, cast
 
@@ -188,6 +188,62 @@ class Results:
     def error_lines(self) -> list[str]:
         """The same in sentences: ``peak 108.5 ± 1.9 kN (1.7 %, mostly mesh) at 3.6 ± 0.3 mm``; empty without."""
         return _wythe.error_lines(self._path)
+
+    @cached_property
+    def answers(self) -> dict[str, Any]:
+        """Answers in the terms of engineers: bilinear curve, loops, first damage, mode of failure, crack widths, points
+        at the drift limits of EN 1998-3.
+
+        The keys are those of ``answers`` in ``summary.json``. A run that has not ended has those of its curve.
+        """
+        said: dict[str, Any] = json.loads(_wythe.answers(self._path)[0])
+        return said
+
+    @property
+    def answer_lines(self) -> list[str]:
+        """The answers in lines, as ``wythe info`` prints them."""
+        return [f"{head}: {text}" for head, text in _wythe.answers(self._path)[1]]
+
+    def at_drifts(
+        self, drifts: Sequence[float], *, height: float | None = None
+    ) -> list[dict[str, Any]]:
+        """Force and displacement of the curve at drifts [-] over ``height`` [mm], by default the clear height of the
+        model. The keys are those of ``performance_points``.
+
+        Raises
+        ------
+        ValueError
+            Nothing was driven, or the model has no clear height and none is given.
+        """
+        wanted = [float(drift) for drift in drifts]
+        if not all(drift > 0.0 and math.isfinite(drift) for drift in wanted):
+            raise ValueError(f"drifts: expected numbers above 0, got {wanted}")
+        if height is not None and not (height > 0.0 and math.isfinite(height)):
+            raise ValueError(f"height: expected a number above 0, got {height}")
+        found: list[dict[str, Any]] = json.loads(_wythe.at_drifts(self._path, wanted, height))
+        return found
+
+    @cached_property
+    def reactions(self) -> dict[str, Floats]:
+        """External forces [N] on beams, supports and loads at every increment that ``results.vtkhdf`` has, by
+        ``"beams/NAME"``, ``"supports/NAME"``, ``"loads/NAME"``. Shape (increments, 3) each.
+        """
+        return self._fields.reactions()
+
+    @property
+    def base_shear(self) -> Floats | None:
+        """Sum of the support reactions along the drive, with the sign with which it balances the drive [kN]; None if
+        nothing is driven sideways, or before the end of the run. Shape (increments,).
+        """
+        direction = self.answers["drive_direction"]
+        if direction is None or direction.endswith("z"):
+            return None
+        sense, axis = (-1.0 if direction.startswith("-") else 1.0), "xy".index(direction[-1])
+        supports = [of for name, of in self.reactions.items() if name.startswith("supports/")]
+        if not supports:
+            return None
+        along: Floats = -1e-3 * sense * np.sum([of[:, axis] for of in supports], axis=0)
+        return along
 
     @property
     def deck(self) -> str | None:

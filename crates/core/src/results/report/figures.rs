@@ -2,8 +2,9 @@
 
 use super::Experiment;
 use super::page::escape;
+use crate::results::answers::{PerformancePoint, name_of_class};
 use crate::results::plot;
-use crate::results::{ReadHistory, SummaryFile};
+use crate::results::{Answers, ReadHistory, SummaryFile};
 
 /// Names of the highlighted tile.
 const PEAK: &str = "Peak force";
@@ -20,10 +21,11 @@ struct Tile {
 /// The tiles as HTML. Figures of the summary are omitted if there is none.
 pub(super) fn tiles(
     history: &ReadHistory,
-    summary: Option<&SummaryFile>,
+    (summary, answers): (Option<&SummaryFile>, Option<&Answers>),
     experiment: Option<&Experiment>,
 ) -> String {
     let mut tiles = mechanics(history, experiment);
+    tiles.extend(answers.into_iter().flat_map(answered));
     tiles.extend(effort(history, summary));
     let html = |tile: &Tile| {
         let Tile {
@@ -89,6 +91,76 @@ fn mechanics(history: &ReadHistory, experiment: Option<&Experiment>) -> Vec<Tile
         tile("Work from outside", brief(work), "J", note);
     }
     tiles
+}
+
+/// The answers in a few tiles; the lines below them say the rest.
+fn answered(answers: &Answers) -> Vec<Tile> {
+    let mut tiles = Vec::new();
+    let mut tile = |name, value: String, unit, note: String| {
+        tiles.push(Tile {
+            name,
+            value,
+            unit,
+            note,
+        });
+    };
+    if let Some(mode) = answers.failure_mode {
+        let note = "mode of failure".to_owned();
+        tile("Failure", mode.told().to_owned(), "", note);
+    }
+    if let Some(found) = answers.bilinear {
+        let to = brief(found.ultimate_displacement_mm);
+        let note = format!("to {to} mm; {} kN/mm", brief(found.stiffness_kN_per_mm));
+        tile("Bilinear", brief(found.ultimate_force_kN), "kN", note);
+        let note = "ultimate over yield displacement".to_owned();
+        tile("Ductility", brief(found.ductility), "", note);
+    }
+    if let Some(drift) = answers.drift_at_peak {
+        let note = "at the largest force".to_owned();
+        tile("Drift", brief(100.0 * drift), "%", note);
+    }
+    if let Some(onset) = &answers.first_damage.joint {
+        let note = format!("joint softens, at {} mm", brief(onset.displacement_mm));
+        tile("First damage", brief(onset.force_kN), "kN", note);
+    }
+    if let Some(onset) = &answers.first_damage.crack {
+        let note = format!("solid cracks, at {} mm", brief(onset.displacement_mm));
+        tile("First crack", brief(onset.force_kN), "kN", note);
+    }
+    if let Some(cracks) = &answers.cracks_at_end {
+        let widths = [&cracks.joint, &cracks.solid].map(|c| c.as_ref().map_or(0.0, |c| c.width_mm));
+        let class = cracks.burland_class;
+        let note = format!(
+            "at the end, class {class} of Burland: {}",
+            name_of_class(class)
+        );
+        tile("Widest crack", brief(widths[0].max(widths[1])), "mm", note);
+    }
+    if let Some(last) = answers.loops.last() {
+        let energy = brief(last.dissipated_energy_J);
+        let damping = last
+            .equivalent_damping
+            .map(|damping| brief(100.0 * damping));
+        let note = format!("equivalent viscous, loop {}: {energy} J", last.number);
+        tile(
+            "Damping",
+            damping.unwrap_or_else(|| "–".to_owned()),
+            "%",
+            note,
+        );
+    }
+    tiles.extend(answers.performance_points.iter().map(limit));
+    tiles
+}
+
+fn limit(point: &PerformancePoint) -> Tile {
+    let (drift, at) = (brief(100.0 * point.drift), brief(point.displacement_mm));
+    Tile {
+        name: "EN 1998-3",
+        value: point.force_kN.map_or_else(|| "–".to_owned(), brief),
+        unit: "kN",
+        note: format!("{}, {drift} % drift, {at} mm", point.limit_state.told()),
+    }
 }
 
 fn effort(history: &ReadHistory, summary: Option<&SummaryFile>) -> Vec<Tile> {

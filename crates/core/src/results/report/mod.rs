@@ -24,7 +24,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::estimate::ErrorEstimate;
-use super::{Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
+use super::{Answers, Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
 use crate::state::{HistoryRow, Status};
 use page::{escape, escape_json, fill};
@@ -125,6 +125,7 @@ impl Report {
             title: &title,
             history: &history,
             summary: summary.as_ref(),
+            answers: folder.answers().ok(),
             deck: deck.as_deref(),
             experiment,
         };
@@ -249,6 +250,8 @@ struct Text<'a> {
     title: &'a str,
     history: &'a ReadHistory,
     summary: Option<&'a SummaryFile>,
+    /// None if a file cannot be read, which is noted already.
+    answers: Option<Answers>,
     deck: Option<&'a str>,
     experiment: Option<&'a Experiment>,
 }
@@ -274,7 +277,11 @@ impl Text<'_> {
             || "<p class=\"empty\">The folder holds no copy of the deck.</p>".to_owned(),
             |deck| format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(deck)),
         );
-        let figures = figures::tiles(self.history, self.summary, self.experiment);
+        let figures = figures::tiles(
+            self.history,
+            (self.summary, self.answers.as_ref()),
+            self.experiment,
+        );
         // In a collapse the message equals the verdict.
         let message = if message == verdict { "" } else { message };
         let estimate = self.summary.and_then(|s| s.error_estimate.as_ref());

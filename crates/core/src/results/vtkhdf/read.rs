@@ -105,6 +105,30 @@ impl FieldsFile {
         history::read(&self.file, model, count).map_err(|error| into_io(&error))
     }
 
+    /// External forces on beams, supports and loads at every increment [N], by their paths in the history, such as
+    /// `supports/bottom`. `[increment][xyz]`
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn reactions(&self) -> io::Result<Vec<(String, Vec<[f64; 3]>)>> {
+        let read = || -> hdf5::Result<Vec<(String, Vec<[f64; 3]>)>> {
+            let history = self.file.group(HISTORY)?;
+            let mut all = Vec::new();
+            for group in ["beams", "supports", "loads"] {
+                if !history.link_exists(group) {
+                    continue;
+                }
+                for name in history.group(group)?.member_names()? {
+                    let path = format!("{group}/{name}");
+                    let forces = rows(&self.room.all(&history.dataset(&path)?)?)?;
+                    all.push((path, forces));
+                }
+            }
+            Ok(all)
+        };
+        read().map_err(|error| into_io(&error))
+    }
+
     /// Title of the model and version of the program.
     ///
     /// # Errors

@@ -9,7 +9,9 @@ use crate::model::mirrored::{Half, Images};
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::State;
-use crate::state::{Fall, FallenBody, Frame, HistoryRow, InterfaceFrame, OutputField};
+use crate::state::{
+    Fall, FallenBody, FirstDamage, Frame, HistoryRow, InterfaceFrame, Onset, OutputField,
+};
 
 /// Nodes, elements and points of the half from which those of the whole get their results; `true` marks images.
 #[derive(Clone, Debug)]
@@ -103,6 +105,27 @@ impl Places {
             })
         });
         fall.bodies = both.collect();
+    }
+
+    /// Names the places of first damage in the whole, with the force of both halves.
+    pub fn expand_first_damage(&self, first: &mut FirstDamage) {
+        let point = |place: u32| self.point.iter().position(|(own, _)| *own == place);
+        let element = |place: u32| {
+            let there = |image: bool| self.element.iter().position(|e| *e == (place, image));
+            there(false).or_else(|| there(true))
+        };
+        let expand = |onset: &mut Onset, place: Option<usize>| {
+            onset.force_kN *= 2.0;
+            onset.place = place.map_or(onset.place, |place| place as u32);
+        };
+        if let Some(onset) = &mut first.joint {
+            let place = point(onset.place);
+            expand(onset, place);
+        }
+        for onset in [&mut first.crack, &mut first.crush].into_iter().flatten() {
+            let place = element(onset.place);
+            expand(onset, place);
+        }
     }
 
     fn frame(&self, half: &Frame, reactions: Vec<[f64; 3]>, probes: Vec<f64>) -> Frame {

@@ -97,6 +97,7 @@ impl Reduction {
                 if let Some(fall) = &mut summary.fall {
                     places.expand_fall(whole, model, fall);
                 }
+                places.expand_first_damage(&mut summary.first_damage);
                 Ok(summary)
             }
             Self::Elastic(elastic) => {

@@ -7,6 +7,7 @@ pub(in crate::solve) mod energy_watch;
 pub(in crate::solve) mod explain;
 pub(in crate::solve) mod fallback;
 pub(in crate::solve) mod fields;
+pub(in crate::solve) mod first_damage;
 pub(in crate::solve) mod history_row;
 pub(in crate::solve) mod narrowed_bands;
 pub(in crate::solve) mod path;

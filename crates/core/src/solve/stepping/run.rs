@@ -299,6 +299,7 @@ impl<'m> Run<'m> {
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
         let row = self.row(step_run, request, report, solves);
+        self.note_first_damage(&row);
         let carried = self.count(step_run, request.method, &row);
         let collapsed = self.collapses(step_run, request.method, before.kinetic);
         let growth = growth(request, report, step_run.fallback.floor());

@@ -1,0 +1,88 @@
+"""Answers of a run in the terms of engineers."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import wythe
+
+
+def test_answers_are_those_of_the_summary(wall: wythe.Results) -> None:
+    answers = wall.answers
+    written = json.loads((Path(wall.path) / "summary.json").read_text())
+    assert answers == written["answers"]
+    assert answers["height_mm"] > 0.0
+    assert answers["drift_at_peak"] == pytest.approx(
+        wall.displacement_at_peak / answers["height_mm"], rel=1e-12
+    )
+    # A brick cracks, so that its increment is the first with a tensile damage above 0.1.
+    crack = answers["first_damage"]["crack"]
+    row = int(np.argmax(wall.history.max_tensile_damage > 0.1))
+    assert wall.history.max_tensile_damage[row] > 0.1
+    assert crack["increment"] == wall.history.increment[row]
+    assert crack["displacement_mm"] == wall.history.displacement_mm[row]
+    assert crack["force_kN"] == wall.history.force_kN[row]
+    assert any(line.startswith("bilinear: ") for line in wall.answer_lines)
+
+
+def test_a_bilinear_curve_has_the_area_of_the_curve(wall: wythe.Results) -> None:
+    found = wall.answers["bilinear"]
+    driven = wall.history["driven"]
+    x = np.concatenate([[0.0], wall.history.displacement_mm[driven]])
+    y = np.concatenate([[0.0], wall.history.force_kN[driven]])
+    k, v = found["stiffness_kN_per_mm"], found["ultimate_force_kN"]
+    d_u = found["ultimate_displacement_mm"]
+    grid = np.concatenate([x[x < d_u], [d_u]])
+    force = np.interp(grid, x, y)
+    start = wall.history.force_kN[~driven][-1]
+    force[0] = start
+    area = float(np.sum(0.5 * np.diff(grid) * (force[1:] + force[:-1]))) - start * d_u
+    rise = v - start
+    # A few hundred operations.
+    assert rise * (d_u - rise / (2.0 * k)) == pytest.approx(area, rel=1e-9)
+
+
+def test_a_history_alone_has_the_answers_of_its_curve(killed: wythe.Results) -> None:
+    assert killed.status == "unfinished"
+    answers = killed.answers
+    assert answers["secant_stiffness_kN_per_mm"] > 0.0
+    assert answers["first_damage"] == {"joint": None, "crack": None, "crush": None}
+
+
+def test_reactions_balance(wall: wythe.Results) -> None:
+    reactions = wall.reactions
+    assert set(reactions) == {"beams/top", "supports/bottom"}
+    below, above = reactions["supports/bottom"], reactions["beams/top"]
+    assert below.shape == above.shape == (wall.history.increments, 3)
+    # Statics without weight; the tolerance is that of equilibrium.
+    assert np.abs(below + above).max() < 1e-3 * np.abs(above).max()
+    np.testing.assert_allclose(above[:, 0] * 1e-3, wall.history.force_kN, atol=1e-9)
+    assert wall.answers["drive_direction"] == "x"
+    series = wall.base_shear
+    assert series is not None
+    np.testing.assert_allclose(series, -1e-3 * below[:, 0], atol=1e-12)
+    peak = int(np.argmax(wall.history.force_kN))
+    shear = wall.answers["base_shear_at_peak_kN"]
+    assert shear == pytest.approx(-1e-3 * below[peak, 0], rel=1e-12)
+
+
+def test_drifts_are_points_of_the_curve(wall: wythe.Results, couplet: wythe.Results) -> None:
+    height = wall.answers["height_mm"]
+    [point, beyond] = wall.at_drifts([0.3 / height, 1.0])
+    assert point["displacement_mm"] == pytest.approx(0.3, rel=1e-12)
+    driven = wall.history["driven"]
+    force = np.interp(0.3, wall.history.displacement_mm[driven], wall.history.force_kN[driven])
+    assert point["force_kN"] == pytest.approx(float(force), rel=1e-12)
+    assert point["limit_state"] == "given"
+    assert beyond["force_kN"] is None
+    with pytest.raises(ValueError, match="no clear height"):
+        couplet.at_drifts([0.01])
+    assert couplet.at_drifts([0.0001], height=100.0)[0]["displacement_mm"] == pytest.approx(0.01)
+    with pytest.raises(ValueError, match="above 0"):
+        wall.at_drifts([-0.1])
+    with pytest.raises(ValueError, match="above 0"):
+        wall.at_drifts([0.1], height=math.nan)
