@@ -58,8 +58,9 @@ def test_reactions_balance(wall: wythe.Results) -> None:
     assert set(reactions) == {"beams/top", "supports/bottom"}
     below, above = reactions["supports/bottom"], reactions["beams/top"]
     assert below.shape == above.shape == (wall.history.increments, 3)
-    # Statics without weight; the tolerance is that of equilibrium.
-    assert np.abs(below + above).max() < 1e-3 * np.abs(above).max()
+    # Statics without weight. An increment counts as in equilibrium if no node is out of balance by more than 0.005 of
+    # the mean nodal force (the default tolerance), which leaves less than that of the whole.
+    assert np.abs(below + above).max() < 5e-3 * np.abs(above).max()
     np.testing.assert_allclose(above[:, 0] * 1e-3, wall.history.force_kN, atol=1e-9)
     assert wall.answers["drive_direction"] == "x"
     series = wall.base_shear
