@@ -211,6 +211,9 @@ pub enum Command {
     /// Evaluate the runs of a standard test: what the test reports.
     #[command(after_help = EVALUATE_HELP)]
     Evaluate(Evaluate),
+    /// Find keys of decks from measured curves: of the Python package.
+    #[command(hide = true, disable_help_flag = true)]
+    Calibrate(Calibrate),
     /// Describe a folder of results, a file of fields, or a model.
     #[command(after_help = INFO_HELP)]
     Info(Info),
@@ -327,6 +330,14 @@ pub struct Specimen {
     /// TOML file with [materials.unit], [materials.mortar] and [interfaces.joint] [default: of the catalogue].
     #[arg(long, value_name = "FILE", requires = "test")]
     pub materials: Option<PathBuf>,
+}
+
+/// `wythe calibrate`, which only the Python package has
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// Whatever is said.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub said: Vec<String>,
 }
 
 /// `wythe completions`

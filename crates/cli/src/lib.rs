@@ -106,6 +106,10 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Report(arguments) => report::report(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
         Command::Compare(arguments) => compare::compare(arguments),
+        Command::Calibrate(_) => Err(Failure::Model(miette::miette!(
+            help = "pip install 'wythe[study]' brings a `wythe` command that has it: docs/how-to/calibrate-parameters.md",
+            "calibrate needs SciPy and is part of the Python package"
+        ))),
         Command::Evaluate(arguments) => evaluate::evaluate(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
