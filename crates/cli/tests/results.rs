@@ -422,7 +422,7 @@ fn drifts_of_the_user_are_told_and_wrong_ones_refused() {
     for (arguments, why) in [
         (&["--drifts", "0.1 %"][..], "no clear height"),
         (&["--drifts", "none"], "`none` is no number above 0"),
-        (&["--drifts", "-1 %"], "no number above 0"),
+        (&["--drifts=-1 %"], "no number above 0"),
         (&["--height", "100"], "--drifts"),
     ] {
         let output = info(arguments);
