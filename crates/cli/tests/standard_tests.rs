@@ -8,6 +8,7 @@ mod common;
 
 use common::*;
 use serde_json::Value;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 const F_T: f64 = 0.17858;
@@ -192,10 +193,10 @@ fn diagonal_compression_gives_strength_by_both_definitions() {
     // 510 × 510 × 120 mm, the height 10 mm less for the bed joint on top of it.
     let area = 120.0 * 0.5 * (510.0 + 510.0);
     assert!(
-        (s / (0.707_106_78 * 1e3 * p / area) - 1.0).abs() < 1e-6,
+        (s / (FRAC_1_SQRT_2 * 1e3 * p / area) - 1.0).abs() < 1e-6,
         "{s}, {p}"
     );
-    assert!((tension / s - 0.707_106_78).abs() < 1e-6);
+    assert!((tension / s - FRAC_1_SQRT_2).abs() < 1e-6);
     // The modulus of the wall lies below that of the unit.
     between(of_run(&found, 0, "G"), 100.0, 6240.0 / 2.3);
 }
