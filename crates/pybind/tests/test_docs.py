@@ -34,7 +34,7 @@ def test_a_guide_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize(
-    "module", [wythe, wythe.build, wythe.templates], ids=lambda m: str(m.__name__)
+    "module", [wythe, wythe.build, wythe.templates, wythe.tests], ids=lambda m: str(m.__name__)
 )
 def test_docstrings_work(module: object) -> None:
     found = doctest.testmod(module)  # type: ignore[arg-type]

@@ -54,7 +54,7 @@ def test_a_name_is_documented(name: str) -> None:
 
 
 def test_names_are_sorted() -> None:
-    for module in (wythe, wythe.build, wythe.templates):
+    for module in (wythe, wythe.build, wythe.templates, wythe.tests):
         assert list(module.__all__) == sorted(module.__all__)
         assert len(set(module.__all__)) == len(module.__all__)
 

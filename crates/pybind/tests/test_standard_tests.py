@@ -8,11 +8,31 @@ import pytest
 import wythe
 
 
+FUNCTIONS = [
+    wythe.tests.en1052_1,
+    wythe.tests.en1052_2,
+    wythe.tests.en1052_3,
+    wythe.tests.en1052_5,
+    wythe.tests.couplet_tension,
+    wythe.tests.direct_shear,
+    wythe.tests.astm_e519,
+    wythe.tests.rilem_lumb6,
+    wythe.tests.shear_compression,
+    wythe.tests.shear_compression_cantilever,
+    wythe.tests.shear_compression_cyclic,
+    wythe.tests.out_of_plane,
+    wythe.tests.out_of_plane_two_way,
+    wythe.tests.out_of_plane_four_point,
+    wythe.tests.tilting_table,
+]
+
+
 def test_every_test_has_a_function_and_models() -> None:
-    for name in wythe.tests.names():
-        make = getattr(wythe.tests, name.replace("-", "_"))
+    assert [make.__name__.replace("_", "-") for make in FUNCTIONS] == list(wythe.tests.names())
+    for make in FUNCTIONS:
         test = make(unit="210x100x60")
-        assert test.name == name
+        assert isinstance(test, wythe.tests.Test)
+        assert test.name in wythe.tests.names()
         assert all(isinstance(model, wythe.Model) for model in test.models.values())
         assert make.__doc__
 
@@ -21,7 +41,14 @@ def test_a_couplet_gives_its_strength_back(tmp_path: Path) -> None:
     found = wythe.tests.couplet_tension().run(tmp_path, threads=1)
     # The stress is a little uneven, so that the strength is somewhat lower than f_t = 0.1786 MPa of M5 on clay.
     assert 0.98 * 0.1786 < found["f_t"] <= 0.1786
-    assert found.runs["couplet-tension"]["f_t"].unit == "MPa"
+    assert isinstance(found, wythe.tests.Evaluation)
+    assert found.test == "couplet-tension"
+    strength = found.runs["couplet-tension"]["f_t"]
+    assert isinstance(strength, wythe.tests.TestValue)
+    assert (strength.name, strength.unit) == ("f_t", "MPa")
+    assert "F_max / A" in strength.about
+    assert found.together == {}
+    assert found.notes == ()
     assert "f_t" in str(found)
     assert dict(found) == {value.name: value.value for value in found.runs["couplet-tension"].values()}
     again = wythe.tests.evaluate(tmp_path / "couplet-tension.out")

@@ -201,9 +201,14 @@ def evaluate(*runs: Results | str | os.PathLike[str]) -> Evaluation:
     def values(rows: Sequence[Mapping[str, Any]]) -> dict[str, TestValue]:
         return {row["name"]: TestValue(**row) for row in rows}
 
+    of_runs: dict[str, dict[str, TestValue]] = {}
+    for number, run in enumerate(found["runs"], start=1):
+        # Folders in different places may have one name.
+        name = run["run"] if run["run"] not in of_runs else f"{run['run']}-{number}"
+        of_runs[name] = values(run["values"])
     return Evaluation(
         found["test"],
-        {run["run"]: values(run["values"]) for run in found["runs"]},
+        of_runs,
         values(found["together"]),
         tuple(found["notes"]),
     )
