@@ -206,7 +206,7 @@ impl Base {
             return None;
         }
         let eccentricity = (moment / normal - 0.5 * (low + high)).abs() / (0.5 * length);
-        Some(Self {
+        eccentricity.is_finite().then_some(Self {
             normal,
             length,
             eccentricity,

@@ -137,6 +137,10 @@ impl Answers {
         let (Some(forces), true) = (row.and_then(read), curve.peak().is_some()) else {
             return;
         };
+        // A row of another recorder may be without forces, which the file has as NaN.
+        if forces.iter().any(|(_, f)| f.iter().any(|f| !f.is_finite())) {
+            return;
+        }
         for (path, force) in forces {
             if let Some(name) = path.strip_prefix("supports/") {
                 let force = force.map(|f| 1e-3 * f);
