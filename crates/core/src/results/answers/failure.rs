@@ -1,7 +1,7 @@
 //! Mode of failure of a wall that is pushed sideways, by a rule that looks at its joints and units.
 //!
-//! The rule is that of the blind predictions (docs/validation/11-blind/rule.md), which names the mode of 85 % of 74
-//! tests rightly. It is looked up in this order:
+//! The rule follows that of the blind predictions (docs/validation/11-blind/rule.md), which names the mode of 85 % of
+//! 74 tests rightly; docs/reference/files.md lists the differences. It is looked up in this order:
 //!
 //! 1. *bed sliding*: the mean slip of a bed joint exceeds [`SLIDES`] of the displacement of the top, and [`OPEN`];
 //! 2. *shear along a diagonal*: in at least [`CUT`] of the courses within the middle half of the height a head joint
