@@ -25,7 +25,10 @@ fn every_template_is_listed_passes_check_and_runs() {
     let list = wythe(&["new", "--list"]);
     assert_eq!(code(&list), 0);
     let list = String::from_utf8(list.stdout).unwrap();
-    assert_eq!(list.lines().count(), SHORT.len(), "{list}");
+    let (templates, tests) = list.split_once("--test\n").unwrap();
+    // A line says that these are templates.
+    assert_eq!(templates.lines().count(), 1 + SHORT.len(), "{list}");
+    assert!(tests.contains("en1052-3"), "{list}");
     let folder = tempfile::tempdir().unwrap();
     for (name, short) in SHORT {
         assert!(list.contains(name), "{name}");
