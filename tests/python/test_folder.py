@@ -17,7 +17,7 @@ KEYS = (
     "status verdict verdict_kind message peak_force_kN displacement_at_peak_mm displacement_at_80_percent_mm "
     "final_displacement_mm initial_stiffness_kN_per_mm units elements nodes dofs contact_points mirror_planes "
     "increments iterations cutbacks factorisations reused local_solves force_evaluations wall_s cpu_s "
-    "seconds_by_phase peak_rss_MB energy_balance_error threads version warnings log dissipated_energy_J"
+    "seconds_by_phase peak_rss_MB energy_balance_error threads version warnings log dissipated_energy_J answers"
 ).split()
 PHASES = "elements contact assembly factorise solve output".split()
 
