@@ -12,6 +12,11 @@ from typing import Any
 
 from wythe._model import Model, Value
 from wythe._parts import (
+    MotionOptions as MotionOptions,
+    Part as Part,
+    Quantity as Quantity,
+    Rows as Rows,
+    StepOptions as StepOptions,
     _part,
     by_name,
     damage_plasticity,

@@ -195,7 +195,7 @@ def names() -> dict[str, str]:
 
 def evaluate(*runs: Results | str | os.PathLike[str]) -> Evaluation:
     """What a standard test reports, of runs or their folders."""
-    folders = [Path(run.path) if isinstance(run, Results) else Path(run) for run in runs]
+    folders = [os.fspath(run.path if isinstance(run, Results) else run) for run in runs]
     found = json.loads(_wythe.evaluate(folders))
 
     def values(rows: Sequence[Mapping[str, Any]]) -> dict[str, TestValue]:
