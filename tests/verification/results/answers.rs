@@ -223,7 +223,7 @@ fn first_damage_survives_a_checkpoint_and_is_the_same_of_a_half() {
     assert!((a.force_kN - b.force_kN).abs() < 0.01 * b.force_kN.abs().max(1.0));
     let place = |summary: &Summary| {
         let noted: &FirstDamage = &summary.first_damage;
-        let told = wythe::results::answers::FirstDamage::of(&model, noted);
+        let told = wythe::results::answers::first_damage(&model, noted);
         told.joint.unwrap().place
     };
     let (a, b) = (place(&half), place(&whole));

@@ -273,7 +273,7 @@ fn at(a: (f64, f64), b: (f64, f64), displacement: f64) -> f64 {
 }
 
 /// Displacement at this force on the line from a to b.
-fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
+pub(super) fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
     if b.1 == a.1 {
         b.0
     } else {

@@ -1,6 +1,7 @@
 //! The curve of one side of a drive, from which stiffness, capacity and ductility are read.
 
 use crate::results::Curve;
+use crate::results::curve::crossing;
 
 /// A curve along one side of the drive: travel since the start of the drive and force, both positive along that side.
 ///
@@ -111,15 +112,6 @@ impl Backbone {
             }
             _ => (self.points.clone(), false),
         }
-    }
-}
-
-/// Travel at this force on the line from a to b.
-fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
-    if b.1 == a.1 {
-        b.0
-    } else {
-        a.0 + (b.0 - a.0) * (force - a.1) / (b.1 - a.1)
     }
 }
 

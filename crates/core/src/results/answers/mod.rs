@@ -31,7 +31,7 @@ pub use backbone::Backbone;
 pub use bilinear::{Bilinear, ELASTIC, ULTIMATE};
 pub use cracks::{BURLAND, Crack, CrackWidths, burland_class, name_of_class};
 pub use failure::{FailureMeasure, FailureMode};
-pub use first_damage::{FirstDamage, Onset};
+pub use first_damage::{FirstDamage, Onset, first_damage};
 pub use lines::{Line, of_point};
 pub use loops::{Loop, loops};
 pub use performance::{LimitState, PerformancePoint, at_drifts, of_code};
@@ -106,7 +106,7 @@ impl Answers {
     pub fn of_run(model: &Model, run: &Summary, curve: &Curve, frames: Option<&Snapshots>) -> Self {
         let height = super::comparison::clear_height(model);
         let mut answers = Self {
-            first_damage: FirstDamage::of(model, &run.first_damage),
+            first_damage: first_damage(model, &run.first_damage),
             drive_direction: scene::Drive::of(model).map(scene::Drive::name),
             ..Self::of_curve(curve, height)
         };

@@ -76,7 +76,7 @@ fn first_damage_is_told_with_its_place() {
         crack: Some(onset(1)),
         crush: None,
     };
-    let told = FirstDamage::of(&model, &noted);
+    let told = first_damage(&model, &noted);
     let joint = told.joint.unwrap().place;
     assert_eq!(joint.interface.as_deref(), Some("joint"));
     assert_eq!(joint.bodies, ["unit 0", "unit 1"]);
