@@ -1,5 +1,6 @@
 //! Builds a [`Model`] from Rust, block by block, without a deck.
 
+use super::axis::along_axis;
 use super::general::{DryStiffness, GeneralContact};
 use super::probes::{Probe, ProbeQuantity};
 use super::scene::{Beam, HeldBy, NamedMaterial, Step, Support};
@@ -260,7 +261,7 @@ impl ModelBuilder {
             column: column.to_owned(),
             nodes,
             minus: Vec::new(),
-            direction: [0, 1, 2].map(|d| f64::from(u8::from(d == axis))),
+            direction: along_axis(axis),
             quantity: ProbeQuantity::Displacement,
         });
         self.model.probes.len() - 1

@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::amplitude::{Amplitude, Branch};
+use super::axis::{along_axis, component_along};
 use super::loads::Load;
 use super::probes::Probe;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
@@ -216,19 +217,13 @@ impl Driven {
     pub fn along(beam: usize, axis: usize) -> Self {
         Self {
             beam,
-            direction: [0, 1, 2].map(|d| f64::from(u8::from(d == axis))),
+            direction: along_axis(axis),
         }
     }
 
-    /// Component of a vector along the direction; a direction along an axis takes that component unchanged.
+    /// Component of a vector along the direction.
     pub fn component(&self, of: impl Fn(usize) -> f64) -> f64 {
-        let all = self
-            .direction
-            .iter()
-            .enumerate()
-            .filter(|(_, part)| **part != 0.0);
-        let parts = all.map(|(axis, part)| part * of(axis));
-        parts.reduce(|sum, part| sum + part).unwrap_or_default()
+        component_along(self.direction, of)
     }
 
     /// Displacement that a step drives along the direction [mm]; none if it does not drive the beam.

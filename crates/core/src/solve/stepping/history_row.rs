@@ -5,6 +5,7 @@ use super::run::Run;
 use super::step_run::StepRun;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
+use crate::model::axis::{along_axis, component_along};
 use crate::model::scene::{BeamMotion, Driven, HeldBy, Step};
 
 /// Whether a step drives a face or the end of a spring.
@@ -21,31 +22,43 @@ pub(in crate::solve) fn sense_of_beam(steps: &[Step], driven: Driven) -> f64 {
     ways.find(|by| *by != 0.0).map_or(1.0, f64::signum)
 }
 
-/// The same for the driven end of a spring: `driven` has its index in place of that of a beam.
-pub(in crate::solve) fn sense_of_spring(steps: &[Step], driven: Driven) -> f64 {
-    let by = steps
-        .iter()
-        .filter_map(|step| step.springs.get(driven.beam));
-    by.map(|by| driven.component(|axis| by[axis]))
-        .find(|by| *by != 0.0)
-        .map_or(1.0, f64::signum)
+/// The end of a spring that a step drives, and the direction along which it does, of length 1.
+#[derive(Clone, Copy)]
+pub(in crate::solve) struct DrivenEnd {
+    /// Index of the spring.
+    pub(in crate::solve) spring: usize,
+    direction: [f64; 3],
 }
 
-/// Spring whose end a step drives, in place of a beam, and the line along which it does.
-pub(in crate::solve) fn driven_end(step: &Step) -> Option<Driven> {
-    let mut ends = step.springs.iter().enumerate();
-    ends.find_map(|(spring, by)| {
-        let mut axes = (0..3).filter(|axis| by[*axis] != 0.0);
-        let first = axes.next()?;
-        if axes.next().is_none() {
-            return Some(Driven::along(spring, first));
-        }
-        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt() * by[first].signum();
-        Some(Driven {
-            beam: spring,
-            direction: by.map(|by| by / length),
-        })
-    })
+impl DrivenEnd {
+    /// The first end that a step drives.
+    pub(in crate::solve) fn of(step: &Step) -> Option<Self> {
+        let mut ends = step.springs.iter().enumerate();
+        let (spring, by) = ends.find(|(_, by)| **by != [0.0; 3])?;
+        let axes: Vec<usize> = (0..3).filter(|axis| by[*axis] != 0.0).collect();
+        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt() * by[axes[0]].signum();
+        let direction = if let [axis] = axes[..] {
+            along_axis(axis)
+        } else {
+            by.map(|by| by / length)
+        };
+        Some(Self { spring, direction })
+    }
+
+    /// Component of a vector along the direction.
+    pub(in crate::solve) fn component(self, of: [f64; 3]) -> f64 {
+        component_along(self.direction, |axis| of[axis])
+    }
+}
+
+/// The same as [`sense_of_beam`] for the driven end of a spring.
+pub(in crate::solve) fn sense_of_spring(steps: &[Step], driven: DrivenEnd) -> f64 {
+    let by = steps
+        .iter()
+        .filter_map(|step| step.springs.get(driven.spring));
+    by.map(|by| driven.component(*by))
+        .find(|by| *by != 0.0)
+        .map_or(1.0, f64::signum)
 }
 
 /// The same for a displacement that steers a load.
@@ -106,8 +119,8 @@ impl Run<'_> {
             }
             None => self.driven_end(step_run.index).map_or(0.0, |driven| {
                 let sense = sense_of_spring(&self.model.steps, driven);
-                let force = system.spring_forces(trial)[driven.beam];
-                along(sense, driven.component(|axis| force[axis]))
+                let force = system.spring_forces(trial)[driven.spring];
+                along(sense, driven.component(force))
             }),
         }
     }
@@ -122,8 +135,9 @@ impl Run<'_> {
                 along(sense_of_beam(steps, driven), driven.component(way))
             }
             None => self.driven_end(step_run.index).map_or(0.0, |driven| {
-                let (now, then) = (&trial.spring_ends, &self.state.spring_ends);
-                let way = |axis: usize| now[driven.beam][axis] - then[driven.beam][axis];
+                let ends = [&trial.spring_ends, &self.state.spring_ends];
+                let [now, then] = ends.map(|ends| ends[driven.spring]);
+                let way = [0, 1, 2].map(|axis| now[axis] - then[axis]);
                 along(sense_of_spring(steps, driven), driven.component(way))
             }),
         }
@@ -145,13 +159,13 @@ impl Run<'_> {
         let own = steps[step].driven;
         // A step that drives a spring shows the spring, whatever a preload has shown.
         let others = || steps.iter().find_map(|s| s.driven);
-        own.or_else(|| others().filter(|_| driven_end(&steps[step]).is_none()))
+        own.or_else(|| others().filter(|_| DrivenEnd::of(&steps[step]).is_none()))
     }
 
     /// Spring whose end is driven in the step, else in another, and its direction.
-    fn driven_end(&self, step: usize) -> Option<Driven> {
+    fn driven_end(&self, step: usize) -> Option<DrivenEnd> {
         let mut steps = std::iter::once(&self.model.steps[step]).chain(&self.model.steps);
-        steps.find_map(driven_end)
+        steps.find_map(DrivenEnd::of)
     }
 
     /// Displacement of the driven end of a spring [mm], its force along the drive [N], and 0, where a step drives a
@@ -159,10 +173,7 @@ impl Run<'_> {
     fn driven_spring(&self, step: usize) -> (f64, f64, f64) {
         self.driven_end(step).map_or((0.0, 0.0, 0.0), |driven| {
             let sense = sense_of_spring(&self.model.steps, driven);
-            let part = |all: &[[f64; 3]]| {
-                let of = all[driven.beam];
-                along(sense, driven.component(|axis| of[axis]))
-            };
+            let part = |all: &[[f64; 3]]| along(sense, driven.component(all[driven.spring]));
             (
                 part(&self.state.spring_ends),
                 part(&self.state.spring_forces),

@@ -3,6 +3,7 @@
 use crate::assembly::DofMap;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
+use crate::model::axis::component_along;
 use crate::model::probes::ProbeQuantity;
 use crate::state::State;
 
@@ -21,15 +22,9 @@ pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> V
             };
             nodes.iter().map(at).sum::<f64>() / nodes.len().max(1) as f64
         };
-        let along = |(axis, part): (usize, f64)| {
-            part * (mean(&probe.nodes, axis) - mean(&probe.minus, axis))
-        };
-        // One axis alone keeps the sign of a zero.
-        probe
-            .components()
-            .map(along)
-            .reduce(|sum, part| sum + part)
-            .unwrap_or_default()
+        component_along(probe.direction, |axis| {
+            mean(&probe.nodes, axis) - mean(&probe.minus, axis)
+        })
     });
     value.collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::history_row::{driven_end, sense_of_beam, sense_of_control, sense_of_spring};
+use super::history_row::{DrivenEnd, sense_of_beam, sense_of_control, sense_of_spring};
 use crate::model::scene::{Step, Stop};
 
 /// Watches the drive or load of a step for the conditions that end it.
@@ -49,9 +49,9 @@ impl Watch {
             .driven
             .and_then(|driven| Some(driven.way(step)? * sense_of_beam(steps, driven)));
         let of_spring = || {
-            let driven = driven_end(step)?;
-            let by = step.springs[driven.beam];
-            Some(driven.component(|axis| by[axis]) * sense_of_spring(steps, driven))
+            let driven = DrivenEnd::of(step)?;
+            let by = driven.component(step.springs[driven.spring]);
+            Some(by * sense_of_spring(steps, driven))
         };
         let loads = step.loads.iter().any(Option::is_some);
         let of_load = || {
