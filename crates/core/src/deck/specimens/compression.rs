@@ -78,8 +78,5 @@ stop = {{ below_peak = 0.6 }}
             gauge(thickness),
         ),
     );
-    vec![SpecimenDeck {
-        part: String::new(),
-        text,
-    }]
+    SpecimenDeck::only(text)
 }

@@ -34,10 +34,7 @@ pub(super) fn both(specimen: &Specimen) -> Vec<SpecimenDeck> {
 
 /// The upright strip alone.
 pub(super) fn upright(specimen: &Specimen) -> Vec<SpecimenDeck> {
-    vec![SpecimenDeck {
-        part: String::new(),
-        text: deck(specimen, &across_beds(specimen)),
-    }]
+    SpecimenDeck::only(deck(specimen, &across_beds(specimen)))
 }
 
 /// Failure parallel to the beds: a strip of at least 400 mm between the bearings, with at least two beds between the

@@ -2,7 +2,7 @@
 
 use super::SpecimenDeck;
 use super::options::Specimen;
-use super::text::{STEEL, WallText, head, mm, part, point, tables, wall, within};
+use super::text::{STEEL, WallText, head, mm, point, tables, wall, within};
 
 /// Elements of a unit with its joints: length, height, thickness.
 const MESH: Option<[u32; 3]> = Some([5, 4, 2]);
@@ -31,13 +31,6 @@ fn test(specimen: &Specimen, kind: &str, more: &str) -> String {
     format!(
         "[test] # what `wythe evaluate` needs\nkind = \"{kind}\"\nlength = \"{length} mm\"\nthickness = \"{thickness} mm\"\n{more}"
     )
-}
-
-fn one(text: String) -> Vec<SpecimenDeck> {
-    vec![SpecimenDeck {
-        part: String::new(),
-        text,
-    }]
 }
 
 /// Couplet pulled apart between platens that stay parallel.
@@ -74,7 +67,7 @@ direction = "z"
 displacement = "0.4 mm"
 "#,
     );
-    one(text)
+    SpecimenDeck::only(text)
 }
 
 /// Couplets sheared at constant pressure between platens that stay parallel.
@@ -122,12 +115,9 @@ vertical = "free"
 "#
             ),
         );
-        SpecimenDeck {
-            part: part(specimen, pressure),
-            text,
-        }
+        text
     };
-    specimen.pressures.iter().copied().map(deck).collect()
+    SpecimenDeck::for_each_pressure(specimen, deck)
 }
 
 /// Triplets of EN 1052-3, lying: the beds are level, the middle unit is pushed along them.
@@ -202,12 +192,9 @@ free = ["z"]
 "#
             ),
         );
-        SpecimenDeck {
-            part: part(specimen, pressure),
-            text,
-        }
+        text
     };
-    specimen.pressures.iter().copied().map(deck).collect()
+    SpecimenDeck::for_each_pressure(specimen, deck)
 }
 
 /// The bond wrench of EN 1052-5: a lever clamped to the upper of two units.
@@ -291,5 +278,5 @@ force = [0, 0, "-100 N"]
             bed = mm(bed),
         ),
     );
-    one(text)
+    SpecimenDeck::only(text)
 }

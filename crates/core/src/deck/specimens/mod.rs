@@ -42,6 +42,28 @@ pub struct SpecimenDeck {
     pub text: String,
 }
 
+impl SpecimenDeck {
+    /// The only deck of a test.
+    fn only(text: String) -> Vec<Self> {
+        let part = String::new();
+        vec![Self { part, text }]
+    }
+
+    /// A deck for each precompression [MPa]; its part is empty if there is one only.
+    fn for_each_pressure(specimen: &Specimen, text: impl Fn(f64) -> String) -> Vec<Self> {
+        let pressures = &specimen.pressures;
+        let deck = |pressure: &f64| Self {
+            part: if pressures.len() > 1 {
+                text::mm(*pressure)
+            } else {
+                String::new()
+            },
+            text: text(*pressure),
+        };
+        pressures.iter().map(deck).collect()
+    }
+}
+
 /// Precompressions of EN 1052-3, procedure A, for units stronger than 10 MPa [MPa].
 const EN1052_3: &[f64] = &[0.2, 0.6, 1.0];
 

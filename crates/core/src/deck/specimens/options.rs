@@ -184,12 +184,9 @@ fn values(
     example: &str,
 ) -> Result<Vec<f64>, SpecimenError> {
     let wrong = |why: String| SpecimenError::new(option, format!("\"{text}\": {why}"), example);
-    let digits = text.rfind(|c: char| c.is_ascii_digit() || c == '.');
-    let end = digits.map_or(0, |at| at + 1);
-    // The exponent of a unit such as N/mm^2 is no part of the last number.
-    let end = text
-        .find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E')
-        .map_or(end, |at| at.min(end));
+    // The unit begins with a letter; `e` stands in numbers.
+    let end = text.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E');
+    let end = end.unwrap_or(text.len());
     let (numbers, of) = text.split_at(end);
     let value = |number: &str| -> Result<f64, SpecimenError> {
         let number = number.trim();

@@ -125,8 +125,5 @@ pressure = "1 kPa"
             mm(0.1 * thickness),
         ),
     );
-    vec![SpecimenDeck {
-        part: String::new(),
-        text,
-    }]
+    SpecimenDeck::only(text)
 }

@@ -106,12 +106,3 @@ pub(super) fn tables(text: &mut String, more: &str) {
     text.push_str(more.trim_matches('\n'));
     text.push('\n');
 }
-
-/// Part of a name that stands for a pressure [MPa]: empty if the test has one only.
-pub(super) fn part(specimen: &Specimen, pressure: f64) -> String {
-    if specimen.pressures.len() > 1 {
-        mm(pressure)
-    } else {
-        String::new()
-    }
-}

@@ -79,8 +79,5 @@ angle = "45 deg"
             sizes[2],
         ),
     );
-    vec![SpecimenDeck {
-        part: String::new(),
-        text,
-    }]
+    SpecimenDeck::only(text)
 }

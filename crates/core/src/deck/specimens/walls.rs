@@ -2,7 +2,7 @@
 
 use super::SpecimenDeck;
 use super::options::Specimen;
-use super::text::{STEEL, WallText, head, mm, part, point, tables, wall};
+use super::text::{STEEL, WallText, head, mm, point, tables, wall};
 
 /// Whole units and courses nearest to a size [mm]: length, number of courses, height up to the last unit.
 fn fitted(specimen: &Specimen, default: [f64; 2]) -> (f64, u32, f64) {
@@ -106,10 +106,7 @@ stop = {{ below_peak = 0.5 }}
             mm(0.006 * length.min(height)),
         ),
     );
-    vec![SpecimenDeck {
-        part: String::new(),
-        text,
-    }]
+    SpecimenDeck::only(text)
 }
 
 /// Loading shoes: two plates at each of the two corners.
@@ -267,12 +264,9 @@ fn shear(specimen: &Specimen, top: Top) -> Vec<SpecimenDeck> {
             },
         ));
         text.push_str(&steps(specimen, top, &p, [length, height]));
-        SpecimenDeck {
-            part: part(specimen, pressure),
-            text,
-        }
+        text
     };
-    specimen.pressures.iter().copied().map(deck).collect()
+    SpecimenDeck::for_each_pressure(specimen, deck)
 }
 
 /// Drifts of the cyclic protocol [%].
