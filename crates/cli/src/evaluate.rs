@@ -8,19 +8,25 @@ use crate::say::print;
 
 /// Evaluates the runs of a standard test and prints the result.
 pub fn evaluate(arguments: &Evaluate) -> Result<(), Failure> {
-    let wrong = |why: EvaluationError| {
-        let help = why.help();
-        Failure::Model(miette::miette!(help = help, "{why}"))
-    };
     let runs = arguments.folders.iter().map(|folder| TestRun::read(folder));
-    let runs = runs.collect::<Result<Vec<_>, _>>().map_err(wrong)?;
-    let found = evaluation::evaluate(&runs).map_err(wrong)?;
+    let runs = runs.collect::<Result<Vec<_>, _>>().map_err(failure)?;
+    let found = evaluation::evaluate(&runs).map_err(failure)?;
     if !arguments.json {
         return print(&table(&found));
     }
     let json = serde_json::to_string_pretty(&found)
         .map_err(|error| Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}"))))?;
     print(&format!("{json}\n"))
+}
+
+/// The failure of an evaluation: files and decks have errors of their own.
+fn failure(why: EvaluationError) -> Failure {
+    match why {
+        EvaluationError::Read(why) => why.into(),
+        EvaluationError::Deck(why) => (*why).into(),
+        EvaluationError::Model(why) => (*why).into(),
+        other => Failure::Model(miette::miette!(help = other.help(), "{other}")),
+    }
 }
 
 /// The results as text: a block for each run, one for all together, and the notes.

@@ -6,7 +6,7 @@ use wythe_core::command::argument;
 use wythe_core::deck::import::{ImportedMesh, Units};
 use wythe_core::deck::json_schema;
 use wythe_core::deck::schema::MOST_BYTES;
-use wythe_core::deck::specimens::{self, Options, SpecimenError, TESTS};
+use wythe_core::deck::specimens::{self, Options, SpecimenDeck, SpecimenError, TESTS};
 use wythe_core::deck::templates;
 use wythe_core::deck::templates::{SCHEMA, TEMPLATES};
 use wythe_core::error::IoError;
@@ -33,13 +33,7 @@ pub fn new(arguments: &New) -> Result<(), Failure> {
             .map_or("", |t| t.text)
             .to_owned(),
     };
-    if !folder.as_os_str().is_empty() {
-        std::fs::create_dir_all(folder).map_err(of_file(folder))?;
-    }
-    write(&path, &text, arguments.force)?;
-    // The schema there may be of another version of wythe, so it is always replaced.
-    let beside = folder.join(SCHEMA);
-    write_whole(&beside, json_schema::text().as_bytes()).map_err(of_file(&beside))?;
+    let beside = write_decks(folder, &[(path.clone(), text)], arguments.force)?;
     let typed = argument(&path);
     print(&format!(
         "{} and, for editors, {} are written\nnext: {}wythe check {typed}, then wythe run {typed}\n",
@@ -83,26 +77,21 @@ fn of_test(test: &str, name: &Path, arguments: &New) -> Result<(), Failure> {
     let decks = decks.map_err(wrong)?;
     let whole = deck_of(name);
     let folder = whole.parent().unwrap_or(Path::new(""));
-    if !folder.as_os_str().is_empty() {
-        std::fs::create_dir_all(folder).map_err(of_file(folder))?;
-    }
     let stem = whole
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let paths: Vec<PathBuf> = decks
-        .iter()
-        .map(|deck| match deck.part.as_str() {
+    let named = |deck: SpecimenDeck| {
+        let path = match deck.part.as_str() {
             "" => whole.clone(),
             part => folder.join(format!("{stem}-{part}.toml")),
-        })
-        .collect();
-    for (deck, path) in decks.iter().zip(&paths) {
-        write(path, &deck.text, arguments.force)?;
-    }
-    let beside = folder.join(SCHEMA);
-    write_whole(&beside, json_schema::text().as_bytes()).map_err(of_file(&beside))?;
+        };
+        (path, deck.text)
+    };
+    let decks: Vec<(PathBuf, String)> = decks.into_iter().map(named).collect();
+    write_decks(folder, &decks, arguments.force)?;
+    let paths: Vec<&PathBuf> = decks.iter().map(|(path, _)| path).collect();
     let mut said: String = paths
         .iter()
         .map(|path| format!("{} is written\n", path.display()))
@@ -165,17 +154,32 @@ fn of_file(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + '_ {
     }
 }
 
-/// Writes a new file; replaces an existing one only with `force`.
-fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+/// Writes decks and the schema beside them, all or none; replaces existing decks only with `force`. Returns the path of
+/// the schema.
+fn write_decks(
+    folder: &Path,
+    decks: &[(PathBuf, String)],
+    force: bool,
+) -> Result<PathBuf, Failure> {
     // A broken link exists too.
-    if !force && path.symlink_metadata().is_ok() {
+    let is_there = |(path, _): &&(PathBuf, String)| path.symlink_metadata().is_ok();
+    if let Some((path, _)) = decks.iter().find(is_there).filter(|_| !force) {
         return Err(Failure::InputOutput(miette::miette!(
             help = "take another name, or say --force to overwrite it",
             "{} is there already",
             path.display()
         )));
     }
-    write_out(path, text.as_bytes()).map_err(of_file(path))
+    if !folder.as_os_str().is_empty() {
+        std::fs::create_dir_all(folder).map_err(of_file(folder))?;
+    }
+    for (path, text) in decks {
+        write_out(path, text.as_bytes()).map_err(of_file(path))?;
+    }
+    // The schema there may be of another version of wythe, so it is always replaced.
+    let beside = folder.join(SCHEMA);
+    write_whole(&beside, json_schema::text().as_bytes()).map_err(of_file(&beside))?;
+    Ok(beside)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::deck::Deck;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::DeckTest;
 use crate::element::hexahedron::{difference, norm};
-use crate::error::ModelError;
+use crate::error::{DeckError, ModelError};
 use crate::model::Model;
 use crate::results::output::DECK;
 use crate::results::{Curve, ReadError, ReadHistory, RunFolder, VerdictKind};
@@ -69,10 +69,10 @@ pub enum EvaluationError {
     Read(#[from] ReadError),
     /// A deck that cannot be read.
     #[error(transparent)]
+    Deck(#[from] Box<DeckError>),
+    /// A deck that cannot be built.
+    #[error(transparent)]
     Model(#[from] Box<ModelError>),
-    /// A deck that cannot be read.
-    #[error("{0}")]
-    Deck(String),
 }
 
 impl EvaluationError {
@@ -104,8 +104,7 @@ impl TestRun {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let deck = Deck::load(folder.path().join(DECK), &[])
-            .map_err(|error| EvaluationError::Deck(error.to_string()))?;
+        let deck = Deck::load(folder.path().join(DECK), &[]).map_err(Box::new)?;
         let deck = folder.place(deck);
         let Some(test) = deck.test.clone() else {
             return Err(EvaluationError::NoTest(name));
