@@ -41,6 +41,32 @@ fn evaluated(folder: &Path, test: &str, options: &[&str], changes: &[&str]) -> V
     serde_json::from_str(&stdout(&found)).unwrap()
 }
 
+/// Units, mortar and a joint of these strengths, and the begin of a wall of 200 × 100 × 50 mm units.
+fn masonry(tension: f64, cohesion: f64) -> String {
+    format!(
+        "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n[interfaces.joint]\n\
+         f_t = {tension}\nu_k = 0.3\nzeta = 4.38\nc = {cohesion}\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\nmu = 0.7\n[wall]\n\
+         unit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nunit_material = \"unit\"\nmortar_material = \"mortar\"\n\
+         interface = \"joint\"\n"
+    )
+}
+
+/// The history of the run of a deck of this text.
+fn history_of(folder: &Path, text: &str) -> String {
+    let deck = folder.join("deck.toml");
+    std::fs::write(&deck, text).unwrap();
+    let (deck, out) = (deck.display().to_string(), folder.join("deck.out"));
+    let to = out.display().to_string();
+    let run = wythe(&["run", &deck, "--quiet", "--threads", "1", "--out", &to]);
+    assert_eq!(code(&run), 0, "{}", stderr(&run));
+    std::fs::read_to_string(out.join("history.csv")).unwrap()
+}
+
+/// The last value of a column.
+fn last(history: &str, name: &str) -> f64 {
+    column(history, name).last().copied().unwrap()
+}
+
 /// A value of the list at a pointer.
 fn value(found: &Value, list: &str, name: &str) -> f64 {
     let list = found.pointer(list).unwrap().as_array().unwrap();
@@ -142,8 +168,9 @@ fn flexure_normal_to_the_beds_is_stronger_than_parallel() {
     assert_eq!(found["runs"][0]["run"], "specimen-parallel");
     let [parallel, normal] = [0, 1].map(|run| of_run(&found, run, "f_x"));
     between(parallel, F_T, 3.0 * F_T);
-    // Beds slide and units tear where head joints alone would open.
-    between(normal, 1.5 * parallel, 6.0 * parallel);
+    // Beds slide and units tear where head joints alone would open: two to four times as strong for clay units by EN
+    // 1996-1-1, 3.6.3, less and more a quarter, as these are characteristic values of many units.
+    between(normal, 0.75 * 2.0 * parallel, 4.0 / 0.75 * parallel);
 }
 
 #[test]
@@ -169,12 +196,14 @@ fn walls_in_shear_carry_no_more_than_a_rigid_block() {
         let found = evaluated(folder.path(), test, &size, &[]);
         // Half units of 130 mm and courses of 65 mm: 640 × 575 mm.
         let most = times * 1e-3 * 0.3 * 120.0 * 640.0 * 640.0 / 575.0;
+        // The toes are not rigid: the compressed length takes a part, up to half in so squat a wall. The tensile bond of
+        // the lowest bed opens before the peak; the tolerance of equilibrium leaves less than 2 %.
         between(of_run(&found, 0, "V_max"), 0.5 * most, 1.02 * most);
     }
 }
 
 #[test]
-fn a_wall_to_and_fro_has_the_peak_of_its_envelope() {
+fn a_wall_to_and_fro_has_the_largest_force_of_its_loops() {
     let folder = tempfile::tempdir().unwrap();
     let size = ["--size", "510x450", "--precompression", "0.3 MPa"];
     let loops = [
@@ -182,7 +211,15 @@ fn a_wall_to_and_fro_has_the_peak_of_its_envelope() {
         "steps.1.cycles.repeat=1",
     ];
     let found = evaluated(folder.path(), "shear-compression-cyclic", &size, &loops);
-    assert!(of_run(&found, 0, "V_max") > 0.0);
+    let history = folder.path().join("specimen.out/history.csv");
+    let history = std::fs::read_to_string(history).unwrap();
+    let force = column(&history, "force_kN");
+    let most = force.iter().map(|force| force.abs()).fold(0.0, f64::max);
+    assert_eq!(of_run(&found, 0, "V_max"), most);
+    let turned = column(&history, "displacement_mm")
+        .iter()
+        .any(|way| *way < -0.49);
+    assert!(turned);
 }
 
 #[test]
@@ -201,17 +238,24 @@ fn diagonal_compression_gives_strength_by_both_definitions() {
     between(of_run(&found, 0, "G"), 100.0, 6240.0 / 2.3);
 }
 
+/// Strips whose foot is clamped by its support: the first crack comes at M = p H²/8 = f_t t²/6. A mechanism with hinges
+/// at the foot and in the span, of at most M = f_t t²/2 and the weight W of the strip times t/2 each, carries 11.66 M/H².
 #[test]
-fn walls_under_an_airbag_pass_their_peak() {
-    for (test, size) in [
-        ("out-of-plane", "510x580"),
-        ("out-of-plane-two-way", "770x580"),
-    ] {
+fn walls_under_an_airbag_carry_between_the_first_crack_and_a_mechanism() {
+    let (height, thickness) = (575.0_f64, 120.0_f64);
+    let crack = 8.0 * F_T * thickness * thickness / 6.0 / (height * height);
+    let weight = 1.9e-9 * 9810.0 * height * thickness;
+    let hinge = F_T * thickness * thickness / 2.0 + weight * thickness / 2.0;
+    let mechanism = 11.66 * hinge / (height * height);
+    let strength = |test: &str, size: &str| {
         let folder = tempfile::tempdir().unwrap();
         let found = evaluated(folder.path(), test, &["--size", size], &[]);
         no_notes(&found);
-        assert!(of_run(&found, 0, "p_max") > 0.0);
-    }
+        1e-3 * of_run(&found, 0, "p_max")
+    };
+    between(strength("out-of-plane", "510x580"), crack, mechanism);
+    // Upright edges that are held carry a part.
+    assert!(strength("out-of-plane-two-way", "770x580") > strength("out-of-plane", "770x580"));
 }
 
 /// Squat walls slide on their lowest bed when tan alpha = mu; slender ones would turn earlier.
@@ -235,7 +279,7 @@ fn options_and_folders_that_are_wrong_are_told() {
     assert!(refused(&["--precompression", "1 kN"]).contains("expected"));
     let empty = folder.path().display().to_string();
     let output = wythe(&["evaluate", &empty]);
-    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert_eq!(code(&output), 4, "{}", stderr(&output));
     assert!(stderr(&output).contains("no results of a run"));
     // A run of a deck without [test].
     let deck = repository("examples/01_couplet_tension.toml")
@@ -257,42 +301,21 @@ fn options_and_folders_that_are_wrong_are_told() {
 #[test]
 fn a_turned_wall_behaves_as_the_upright_one() {
     let folder = tempfile::tempdir().unwrap();
-    let mut ends = Vec::new();
-    for degrees in [0.0_f64, 30.0, 90.0] {
+    let ends = [0.0_f64, 30.0, 90.0].map(|degrees| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         // A pull of 0.1 MPa along the wall's own x, that opens head joints and slides beds.
         let text = format!(
-            "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
-             [interfaces.joint]\nf_t = 0.05\nu_k = 0.3\nzeta = 4.38\nc = 0.15\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
-             mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 410\ncourses = 4\n\
-             unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = false\nat = [50, 20, 10]\n\
-             rotate = {{ axis = \"-y\", angle = {degrees} }}\n[[supports]]\non = \"wall.bottom\"\n[[probes]]\nname = \
-             \"along\"\non = \"wall.right\"\ndirection = [{cos}, 0, {sin}]\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"press\"\non = \
-             \"wall.top\"\npressure = 0.3\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"pull\"\non = \
-             \"wall.right\"\ntraction = [{}, 0, {}]\n",
+            "{}length = 410\ncourses = 4\nclamped = false\nat = [50, 20, 10]\nrotate = {{ axis = \"-y\", angle = {degrees} }}\n\
+             [[supports]]\non = \"wall.bottom\"\n[[probes]]\nname = \"along\"\non = \"wall.right\"\ndirection = [{cos}, 0, \
+             {sin}]\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"press\"\non = \"wall.top\"\npressure = 0.3\n[[steps]]\n\
+             kind = \"load\"\n[[steps.loads]]\nname = \"pull\"\non = \"wall.right\"\ntraction = [{}, 0, {}]\n",
+            masonry(0.05, 0.15),
             0.1 * cos,
             0.1 * sin
         );
-        let deck = folder.path().join(format!("turned-{degrees}.toml"));
-        std::fs::write(&deck, text).unwrap();
-        let (deck, out) = (
-            deck.display().to_string(),
-            folder.path().join(format!("{degrees}.out")),
-        );
-        let run = wythe(&[
-            "run",
-            &deck,
-            "--quiet",
-            "--threads",
-            "1",
-            "--out",
-            &out.display().to_string(),
-        ]);
-        assert_eq!(code(&run), 0, "{}", stderr(&run));
-        let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
-        let last = |name: &str| column(&history, name).last().copied().unwrap();
-        ends.push(["along_mm", "elastic_energy_J", "interface_dissipation_J"].map(last));
-    }
+        let history = history_of(folder.path(), &text);
+        ["along_mm", "elastic_energy_J", "interface_dissipation_J"].map(|name| last(&history, name))
+    });
     assert!(ends[0].iter().all(|value| *value > 0.0), "{ends:?}");
     for end in &ends[1..] {
         for (a, b) in end.iter().zip(&ends[0]) {
@@ -306,55 +329,39 @@ fn a_turned_wall_behaves_as_the_upright_one() {
 #[test]
 fn a_couplet_sheared_along_a_vector_has_the_curve_of_the_one_sheared_along_an_axis() {
     let folder = tempfile::tempdir().unwrap();
-    let mut curves = Vec::new();
-    for (degrees, by_spring) in [(0.0_f64, false), (30.0, false), (0.0, true), (-50.0, true)] {
+    let face = ("face = \"wall-1-0.top\"", "");
+    let spring = (
+        "spring = \"jack\"",
+        "[[springs]]\nname = \"jack\"\non = \"wall-1-0\"\nstiffness = [1e6, 0, 1e6]\n",
+    );
+    // Peak and last force [kN], and the way [mm].
+    let curve = |degrees: f64, (drive, table): (&str, &str)| {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let (drive, spring) = if by_spring {
-            (
-                "spring = \"jack\"",
-                "[[springs]]\nname = \"jack\"\non = \"wall-1-0\"\nstiffness = [1e6, 0, 1e6]\n",
-            )
-        } else {
-            ("face = \"wall-1-0.top\"", "")
-        };
         let text = format!(
-            "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
-             [interfaces.joint]\nf_t = 0.3\nu_k = 0.3\nzeta = 4.38\nc = 0.25\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
-             mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 200\ncourses = 2\n\
-             unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = false\n\
-             rotate = {{ axis = \"-y\", angle = {degrees} }}\n[[supports]]\non = \"wall.bottom\"\n{spring}\
-             [[steps]]\nkind = \"drive\"\n{drive}\ndirection = [{}, 0, {}]\ndisplacement = 0.3\n",
+            "{}length = 200\ncourses = 2\nclamped = false\nrotate = {{ axis = \"-y\", angle = {degrees} }}\n[[supports]]\n\
+             on = \"wall.bottom\"\n{table}[[steps]]\nkind = \"drive\"\n{drive}\ndirection = [{}, 0, {}]\ndisplacement = 0.3\n",
+            masonry(0.3, 0.25),
             2.0 * cos,
             2.0 * sin
         );
-        let deck = folder.path().join("vector.toml");
-        std::fs::write(&deck, text).unwrap();
-        let (deck, out) = (deck.display().to_string(), folder.path().join("vector.out"));
-        let run = wythe(&[
-            "run",
-            &deck,
-            "--quiet",
-            "--threads",
-            "1",
-            "--out",
-            &out.display().to_string(),
-        ]);
-        assert_eq!(code(&run), 0, "{}", stderr(&run));
-        let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+        let history = history_of(folder.path(), &text);
         let force = column(&history, "force_kN");
-        let way = column(&history, "displacement_mm");
         let most = force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        curves.push([most, *force.last().unwrap(), *way.last().unwrap()]);
-    }
-    for pair in [[0, 1], [2, 3]] {
-        let [a, b] = pair.map(|i| curves[i]);
+        [
+            most,
+            last(&history, "force_kN"),
+            last(&history, "displacement_mm"),
+        ]
+    };
+    for (by, degrees) in [(face, 30.0), (spring, -50.0)] {
+        let [a, b] = [curve(0.0, by), curve(degrees, by)];
         assert!(
             (a[2] - 0.3).abs() < 1e-12 && (b[2] - 0.3).abs() < 1e-12,
-            "{curves:?}"
+            "{a:?}, {b:?}"
         );
         // Peaks lie within increments.peak = 0.5 % of each other; residual forces follow the law.
-        assert!((a[0] / b[0] - 1.0).abs() < 5e-3, "{curves:?}");
-        assert!((a[1] - b[1]).abs() < 5e-3 * a[0], "{curves:?}");
+        assert!((a[0] / b[0] - 1.0).abs() < 5e-3, "{a:?}, {b:?}");
+        assert!((a[1] - b[1]).abs() < 5e-3 * a[0], "{a:?}, {b:?}");
     }
 }
 
@@ -362,28 +369,13 @@ fn a_couplet_sheared_along_a_vector_has_the_curve_of_the_one_sheared_along_an_ax
 #[test]
 fn a_driven_spring_is_shown_after_a_preload_of_the_top() {
     let folder = tempfile::tempdir().unwrap();
-    let text = "format = 1\n[materials.unit]\nE = 6000\nnu = 0.15\n[materials.mortar]\nE = 1000\nnu = 0.15\n\
-                [interfaces.joint]\nf_t = 0.3\nu_k = 0.3\nzeta = 4.38\nc = 0.25\ndelta_k = 0.4\nxi = 1.1\ntan_phi = 0.7\n\
-                mu = 0.7\n[wall]\nunit = [200, 100, 50]\nbed_joint = 10\nhead_joint = 10\nlength = 200\ncourses = 3\n\
-                unit_material = \"unit\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nclamped = { bottom_courses = 0, \
-                top_courses = 0 }\n[[springs]]\nname = \"jack\"\non = \"wall-1-0.left\"\nstiffness = [1e6, 0, 0]\n\
-                [[steps]]\nkind = \"preload\"\ntop_pressure = 0.2\n[[steps]]\nkind = \"drive\"\nspring = \"jack\"\n\
-                direction = \"x\"\ndisplacement = 0.02\n";
-    let deck = folder.path().join("spring.toml");
-    std::fs::write(&deck, text).unwrap();
-    let (deck, out) = (deck.display().to_string(), folder.path().join("spring.out"));
-    let run = wythe(&[
-        "run",
-        &deck,
-        "--quiet",
-        "--threads",
-        "1",
-        "--out",
-        &out.display().to_string(),
-    ]);
-    assert_eq!(code(&run), 0, "{}", stderr(&run));
-    let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
-    let last = |name: &str| column(&history, name).last().copied().unwrap();
-    assert!((last("displacement_mm") - 0.02).abs() < 1e-12);
-    assert!(last("force_kN") > 0.0);
+    let text = format!(
+        "{}length = 200\ncourses = 3\nclamped = {{ bottom_courses = 0, top_courses = 0 }}\n[[springs]]\nname = \"jack\"\n\
+         on = \"wall-1-0.left\"\nstiffness = [1e6, 0, 0]\n[[steps]]\nkind = \"preload\"\ntop_pressure = 0.2\n[[steps]]\n\
+         kind = \"drive\"\nspring = \"jack\"\ndirection = \"x\"\ndisplacement = 0.02\n",
+        masonry(0.3, 0.25)
+    );
+    let history = history_of(folder.path(), &text);
+    assert!((last(&history, "displacement_mm") - 0.02).abs() < 1e-12);
+    assert!(last(&history, "force_kN") > 0.0);
 }
