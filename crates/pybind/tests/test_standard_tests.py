@@ -8,7 +8,7 @@ import pytest
 import wythe
 
 
-FUNCTIONS = [
+FUNCTIONS: list[wythe.tests.Maker] = [
     wythe.tests.en1052_1,
     wythe.tests.en1052_2,
     wythe.tests.en1052_3,

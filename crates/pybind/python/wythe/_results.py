@@ -6,9 +6,6 @@ import html
 import json
 import math
 import os
-import shutil
-import tempfile
-import weakref
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Union, cast
@@ -19,7 +16,9 @@ import numpy.typing as npt
 from wythe import _wythe
 from wythe._errors import OutputError, as_path, expected, need, unwritten, write_text
 from wythe._frames import Floats, Frame, History, Interfaces
+from wythe._grids import as_meshio, as_pyvista
 from wythe._picture import Picture
+from wythe._temporary import Temporary
 
 if TYPE_CHECKING:
     import meshio
@@ -364,53 +363,11 @@ class Results:
         scale
             Magnification of the deformed shape; the displacement field is not scaled.
         """
-        need("pyvista", "plot")
-        import pyvista
-
-        shown = self.frame(frame)
-        cells = {np.uint8(12): self.elements.astype(np.int64)}
-        grid = pyvista.UnstructuredGrid(cells, self.nodes + scale * shown.displacement)
-        for name, values in self._of_points(shown).items():
-            grid.point_data[name] = values
-        for name, values in self._of_elements(shown).items():
-            grid.cell_data[name] = values
-        return grid
+        return as_pyvista(self, self.frame(frame), scale)
 
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
         """The solids at rest with all fields of a frame, for meshio, which writes many formats."""
-        need("meshio", "plot")
-        import meshio
-
-        shown = self.frame(frame)
-        cell_data: dict[str, list[npt.ArrayLike]] = {
-            name: [values] for name, values in self._of_elements(shown).items()
-        }
-        return meshio.Mesh(
-            self.nodes,
-            [("hexahedron", self.elements.astype(np.int64))],
-            point_data=dict(self._of_points(shown)),
-            cell_data=cell_data,
-        )
-
-    def _of_points(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
-        fields: dict[str, npt.NDArray[Any]] = {"displacement": frame.displacement}
-        if len(frame.velocity):
-            fields["velocity"] = frame.velocity
-        return fields
-
-    def _of_elements(self, frame: Frame) -> dict[str, npt.NDArray[Any]]:
-        return {
-            "stress": frame.stress,
-            "principal_stress": frame.principal_stress,
-            "plastic_strain": frame.plastic_strain,
-            "tensile_damage": frame.tensile_damage,
-            "compressive_damage": frame.compressive_damage,
-            "crack_width": frame.crack_width,
-            "yielded": frame.yielded.astype(np.uint8),
-            "material": self.material.astype(np.int64),
-            "unit": self.unit.astype(np.int64),
-            "course": self.course.astype(np.int64),
-        }
+        return as_meshio(self, self.frame(frame))
 
     def plot(
         self,
@@ -604,22 +561,3 @@ class Results:
         except (OutputError, ValueError):
             return f"<p>{line}</p>"
         return f"<p>{line}</p><div style='max-width:36em'>{svg}</div>"
-
-
-class Temporary:
-    """A folder for one run, removed together with this object or at the end of the process."""
-
-    def __init__(self) -> None:
-        self._name = tempfile.mkdtemp(prefix="wythe-")
-        weakref.finalize(self, _remove, self._name, os.getpid())
-
-    @property
-    def run(self) -> str:
-        """Folder of the run, created by the run."""
-        return os.path.join(self._name, "run")
-
-
-def _remove(name: str, owner: int) -> None:
-    # A forked process has a copy of the object but does not own the folder.
-    if os.getpid() == owner:
-        shutil.rmtree(name, ignore_errors=True)

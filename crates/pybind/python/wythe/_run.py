@@ -14,7 +14,8 @@ import numpy as np
 from wythe import _wythe
 from wythe._errors import ConvergenceError, RunInterrupted, as_path, expected, say
 from wythe._laws import JointLaw, SolidLaw, split
-from wythe._results import Results, Temporary
+from wythe._results import Results
+from wythe._temporary import Temporary
 
 __all__ = ["Increment"]
 

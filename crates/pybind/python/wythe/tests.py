@@ -26,10 +26,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from wythe import _wythe
 from wythe._model import Model
@@ -37,6 +37,7 @@ from wythe._results import Results
 
 __all__ = [
     "Evaluation",
+    "Maker",
     "Test",
     "TestValue",
     "astm_e519",
@@ -248,7 +249,25 @@ def standard(
     return Test(name, {part: Model.from_toml(text) for part, text in decks})
 
 
-def _named(name: str, about: str) -> Callable[..., Test]:
+class Maker(Protocol):
+    """A function that makes a standard test; the module describes its options."""
+
+    __name__: str
+
+    def __call__(
+        self,
+        *,
+        unit: str | None = None,
+        joint: Quantity | None = None,
+        precompression: Quantities | None = None,
+        size: str | None = None,
+        materials: Materials | None = None,
+    ) -> Test:
+        """The test with these options."""
+        ...
+
+
+def _named(name: str, about: str) -> Maker:
     def make(
         *,
         unit: str | None = None,
@@ -268,20 +287,20 @@ def _named(name: str, about: str) -> Callable[..., Test]:
 
 _ABOUT = names()
 
-en1052_1: Callable[..., Test] = _named("en1052-1", _ABOUT["en1052-1"])
-en1052_2: Callable[..., Test] = _named("en1052-2", _ABOUT["en1052-2"])
-en1052_3: Callable[..., Test] = _named("en1052-3", _ABOUT["en1052-3"])
-en1052_5: Callable[..., Test] = _named("en1052-5", _ABOUT["en1052-5"])
-couplet_tension: Callable[..., Test] = _named("couplet-tension", _ABOUT["couplet-tension"])
-direct_shear: Callable[..., Test] = _named("direct-shear", _ABOUT["direct-shear"])
-astm_e519: Callable[..., Test] = _named("astm-e519", _ABOUT["astm-e519"])
-rilem_lumb6: Callable[..., Test] = _named("rilem-lumb6", _ABOUT["rilem-lumb6"])
-shear_compression: Callable[..., Test] = _named("shear-compression", _ABOUT["shear-compression"])
-shear_compression_cantilever: Callable[..., Test] = _named(
+en1052_1: Maker = _named("en1052-1", _ABOUT["en1052-1"])
+en1052_2: Maker = _named("en1052-2", _ABOUT["en1052-2"])
+en1052_3: Maker = _named("en1052-3", _ABOUT["en1052-3"])
+en1052_5: Maker = _named("en1052-5", _ABOUT["en1052-5"])
+couplet_tension: Maker = _named("couplet-tension", _ABOUT["couplet-tension"])
+direct_shear: Maker = _named("direct-shear", _ABOUT["direct-shear"])
+astm_e519: Maker = _named("astm-e519", _ABOUT["astm-e519"])
+rilem_lumb6: Maker = _named("rilem-lumb6", _ABOUT["rilem-lumb6"])
+shear_compression: Maker = _named("shear-compression", _ABOUT["shear-compression"])
+shear_compression_cantilever: Maker = _named(
     "shear-compression-cantilever", _ABOUT["shear-compression-cantilever"]
 )
-shear_compression_cyclic: Callable[..., Test] = _named("shear-compression-cyclic", _ABOUT["shear-compression-cyclic"])
-out_of_plane: Callable[..., Test] = _named("out-of-plane", _ABOUT["out-of-plane"])
-out_of_plane_two_way: Callable[..., Test] = _named("out-of-plane-two-way", _ABOUT["out-of-plane-two-way"])
-out_of_plane_four_point: Callable[..., Test] = _named("out-of-plane-four-point", _ABOUT["out-of-plane-four-point"])
-tilting_table: Callable[..., Test] = _named("tilting-table", _ABOUT["tilting-table"])
+shear_compression_cyclic: Maker = _named("shear-compression-cyclic", _ABOUT["shear-compression-cyclic"])
+out_of_plane: Maker = _named("out-of-plane", _ABOUT["out-of-plane"])
+out_of_plane_two_way: Maker = _named("out-of-plane-two-way", _ABOUT["out-of-plane-two-way"])
+out_of_plane_four_point: Maker = _named("out-of-plane-four-point", _ABOUT["out-of-plane-four-point"])
+tilting_table: Maker = _named("tilting-table", _ABOUT["tilting-table"])
