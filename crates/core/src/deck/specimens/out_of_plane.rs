@@ -36,7 +36,7 @@ fn deck(specimen: &Specimen, two_way: bool) -> Vec<SpecimenDeck> {
     } else {
         (
             "Strip under an airbag",
-            "Foot and head are held across: it bends one way.",
+            "Foot and head are held across, and the foot stands on its whole bed: it bends one way.",
         )
     };
     // Without its weight the units above a crack lie loose.
