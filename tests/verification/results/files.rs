@@ -57,12 +57,14 @@ fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        sections: Vec::new(),
         probes: vec![Probe {
             column: "gap_mm".to_owned(),
             nodes: vec![0],
             minus: vec![8],
             direction: [0.0, 0.0, 1.0],
             quantity: ProbeQuantity::Displacement,
+            over: 1.0,
         }],
         loads: Vec::new(),
         steps: vec![Step {

@@ -137,6 +137,7 @@ fn shallow_arch(how: Procedure, increments: Increments) -> Model {
         minus: Vec::new(),
         direction: [0.0, 0.0, -1.0],
         quantity: ProbeQuantity::Displacement,
+        over: 1.0,
     });
     model.steps = vec![Step {
         procedure: how,

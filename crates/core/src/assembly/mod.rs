@@ -14,6 +14,7 @@ mod mass;
 mod matrix;
 mod numerical_stiffness;
 pub mod pattern;
+mod sections;
 mod solid;
 mod springs;
 mod steered;
@@ -30,6 +31,7 @@ pub use general::{General, Live};
 pub use increment_work::{PARTS, Works};
 pub use mass::Mass;
 pub use pattern::Gather;
+pub use sections::Cut;
 pub use springs::Springs;
 pub use steered::Steered;
 pub use trial::{
@@ -86,6 +88,8 @@ pub struct System {
     pub springs: Springs,
     /// Named loads.
     pub outside: ExternalLoads,
+    /// Sections.
+    pub cuts: Vec<Cut>,
     /// Stiffness along the displacement that controls the load, in steps with such a displacement.
     pub steered: Option<Steered>,
     /// Nodal force that the rounding of positions can cause [N]. Forces below a small multiple of it count as
@@ -125,6 +129,7 @@ impl System {
             contact: Contact::new(model),
             springs: Springs::new(model),
             outside: ExternalLoads::new(model),
+            cuts: Cut::all(model),
             steered: None,
             rounding_force: crate::model::rounding::force(model),
             gather: None,

@@ -174,6 +174,7 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("springs", deck.springs.len(), MOST_ENTRIES),
         ("beams", deck.beams.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
+        ("sections", deck.sections.len(), MOST_ENTRIES),
         ("imports", deck.imports.len(), MOST_ENTRIES),
     ];
     for (name, count, most) in lists {

@@ -431,14 +431,10 @@ impl<'a> Bodies<'a> {
         let mut supports = masonry::supports(self);
         for (i, support) in self.deck.supports.iter().enumerate() {
             let places = self.places(&format!("supports.{i}.on"), &support.on, false)?;
-            let mut fixed = [false; 3];
-            for axis in &support.fixed {
-                fixed[axis.index()] = true;
-            }
             supports.push(Support {
                 name: support.on.0.join(", "),
                 nodes: self.nodes_within(i, &places)?,
-                fixed,
+                fixed: support.holds(),
                 by: HeldBy::Ground,
             });
         }

@@ -16,11 +16,13 @@ use super::quantity::Quantity;
 use super::rigid;
 use super::scatter;
 use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
+use super::sections;
 use super::symmetry;
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::probes::Probe;
 use crate::model::scene::{Model, NamedMaterial, Spring, Support};
+use crate::model::sections::Section;
 
 impl Model {
     /// Builds the model that a deck describes; returns it with all warnings.
@@ -66,6 +68,7 @@ impl Model {
             initial_velocity: bodies.velocity,
             springs: parts.springs,
             probes: parts.probes,
+            sections: parts.sections,
             steps: parts.loading.steps,
             output: errors.keep(deck.output()).unwrap_or_default(),
             warnings: Vec::new(),
@@ -88,6 +91,7 @@ struct Parts {
     of_deck: usize,
     springs: Vec<Spring>,
     probes: Vec<Probe>,
+    sections: Vec<Section>,
     loading: Loading,
     /// Parameters of the materials.
     parameters: Vec<MaterialParameters>,
@@ -110,6 +114,7 @@ impl Parts {
         let of_planes = errors.keep(symmetry::supports(deck, bodies));
         supports.extend(of_planes.unwrap_or_default());
         let probes = errors.keep(probes::probes(deck, bodies));
+        let sections = errors.keep(sections::sections(deck, bodies));
         let top = masonry::level_beam(bodies);
         let loading = errors.keep(loading(deck, bodies, top, &supports, &springs));
         let (parameters, mut meeting) = surfaces(deck, bodies)?;
@@ -128,6 +133,7 @@ impl Parts {
             of_deck,
             springs,
             probes: probes.unwrap_or_default(),
+            sections: sections.unwrap_or_default(),
             loading,
             parameters,
             meeting,

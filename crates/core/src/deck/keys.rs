@@ -194,8 +194,14 @@ keep = "below"  # or "above": the side that is modelled
 [[probes]]
 near = ["100 mm", 0, "50 mm"]
 minus = "base.top"  # or { near = [0, 0, "50 mm"] }
-quantity = "displacement"  # or "velocity"
+quantity = "displacement"  # or "velocity", "drift"
 gauge = [[0, 0, 0], [0, 0, "100 mm"]]  # moving apart is positive
+[[sections]]
+through = [0, 0, "650 mm"]  # a point of the plane
+sections.normal => normal = "z"  # or "-x" ..., or a vector
+of = "wall"  # bodies that are cut
+sections.box => box = [[0, 0, 0], ["400 mm", "120 mm", "2 m"]]  # lowest and highest corner
+piers = "front"  # a wall with openings
 [test]
 test.kind => kind = "en1052-3"
 test.length => length = "250 mm"
@@ -228,9 +234,9 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 10] = [
+pub(super) const LISTS: [&str; 11] = [
     "walls", "blocks", "imports", "contacts", "supports", "springs", "beams", "symmetry", "probes",
-    "steps",
+    "sections", "steps",
 ];
 
 /// Tables that contain named tables.

@@ -34,6 +34,7 @@ mod rigid;
 mod rounding;
 pub mod scatter;
 pub mod schema;
+mod sections;
 pub mod source;
 pub mod specimens;
 mod symmetry;

@@ -31,11 +31,16 @@ pub(super) fn control(
             .error(&path, format!("there is no probe named `{name}`"), &help)
             .of_kind(ErrorKind::UnknownName));
     };
-    if deck.probes[probe].quantity != ProbeQuantity::Displacement {
+    let measured = match deck.probes[probe].quantity {
+        ProbeQuantity::Displacement => "",
+        ProbeQuantity::Velocity => "velocity",
+        ProbeQuantity::Drift => "drift",
+    };
+    if !measured.is_empty() {
         return Err(deck
             .error(
                 &path,
-                format!("the probe `{name}` measures a velocity"),
+                format!("the probe `{name}` measures a {measured}"),
                 "a displacement steers the load: name a probe of one",
             )
             .of_kind(ErrorKind::UnknownName));
@@ -69,9 +74,11 @@ pub(super) fn probes(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Probe>, Mod
         let minus = probe.minus.as_ref().map_or(Ok(Vec::new()), |place| {
             nodes(deck, mesh, named, &format!("{path}.minus"), place)
         })?;
+        let nodes = nodes(deck, mesh, named, &path, &DeckPlace { on, near })?;
         Ok(Probe {
             column: probe.column(),
-            nodes: nodes(deck, mesh, named, &path, &DeckPlace { on, near })?,
+            over: over(deck, mesh, (&path, probe), [&nodes, &minus])?,
+            nodes,
             minus,
             direction,
             quantity: probe.quantity,
@@ -125,8 +132,41 @@ fn gauge(
         minus: vec![first],
         direction: probe.direction.map_or_else(line, Heading::unit),
         quantity: probe.quantity,
+        over: 1.0,
     })
 }
+
+/// Length by which the motion of a probe is divided [mm].
+///
+/// # Errors
+/// A drift between places of one height.
+fn over(
+    deck: &Deck,
+    mesh: &Mesh,
+    (path, probe): (&str, &DeckProbe),
+    places: [&[u32]; 2],
+) -> Result<f64, ModelError> {
+    if probe.quantity != ProbeQuantity::Drift {
+        return Ok(1.0);
+    }
+    let mean = |nodes: &[u32]| {
+        let all = nodes.iter().map(|n| mesh.nodes[*n as usize][2]);
+        all.sum::<f64>() / nodes.len().max(1) as f64
+    };
+    let [above, below] = places.map(mean);
+    let height = (above - below).abs();
+    // Rounding of coordinates and of their mean.
+    if height > LEVEL * mesh.diagonal() {
+        return Ok(height);
+    }
+    let message = "a drift is a displacement over a height, and both places have the same height";
+    let help = "name a place above and, by `minus`, one below";
+    let error = deck.error(&format!("{path}.minus"), message, help);
+    Err(error.of_kind(ErrorKind::Geometry))
+}
+
+/// Part of the size of the model within which two heights are the same.
+const LEVEL: f64 = 1e-9;
 
 /// Nodes of a place, ascending: those of its names, or the one of these (or of all) nearest to its point. Of
 /// several equally near nodes the first is taken.

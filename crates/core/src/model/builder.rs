@@ -263,6 +263,7 @@ impl ModelBuilder {
             minus: Vec::new(),
             direction: along_axis(axis),
             quantity: ProbeQuantity::Displacement,
+            over: 1.0,
         });
         self.model.probes.len() - 1
     }

@@ -5,13 +5,16 @@ pub mod axis;
 pub mod boundary_facets;
 pub mod builder;
 pub mod columns;
+pub mod drive;
 pub mod general;
 pub mod loads;
 pub mod mesh;
 pub mod mirrored;
 pub mod probes;
+pub mod reactions;
 pub(crate) mod rounding;
 pub mod scene;
+pub mod sections;
 pub mod sizes;
 pub mod surfaces;
 

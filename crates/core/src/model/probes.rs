@@ -18,6 +18,8 @@ pub struct Probe {
     pub direction: [f64; 3],
     /// Measured quantity.
     pub quantity: ProbeQuantity,
+    /// Length by which the motion is divided: 1, or the difference in height of a drift [mm].
+    pub over: f64,
 }
 
 impl Probe {
@@ -37,6 +39,8 @@ pub enum ProbeQuantity {
     Displacement,
     /// Velocity [mm/s], 0 in steps without inertia.
     Velocity,
+    /// Displacement over the difference in height of both places [-].
+    Drift,
 }
 
 impl ProbeQuantity {
@@ -45,6 +49,7 @@ impl ProbeQuantity {
         match self {
             Self::Displacement => "mm",
             Self::Velocity => "mm_per_s",
+            Self::Drift => "drift",
         }
     }
 }

@@ -5,6 +5,8 @@ use super::amplitude::{Amplitude, Branch};
 use super::axis::{along_axis, component_along};
 use super::loads::Load;
 use super::probes::Probe;
+use super::reactions;
+use super::sections::Section;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
 use crate::element::Formulation;
 use crate::error::Warning;
@@ -35,6 +37,8 @@ pub struct Model {
     pub springs: Vec<Spring>,
     /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
+    /// Sections, with six columns of the history each.
+    pub sections: Vec<Section>,
     /// Named external loads.
     pub loads: Vec<Load>,
     /// Steps, in order.
@@ -63,6 +67,7 @@ impl Model {
             initial_velocity: Vec::new(),
             springs: Vec::new(),
             probes: Vec::new(),
+            sections: Vec::new(),
             loads: Vec::new(),
             steps: Vec::new(),
             output: Output {
@@ -75,13 +80,18 @@ impl Model {
         }
     }
 
-    /// Columns of the history after those that every history has: the probes, then the loads, then the outputs of the
-    /// laws of the solids.
+    /// Columns of the history after those that every history has: the probes, the loads, the outputs of the laws of the
+    /// solids, the base shear and the reactions of the supports, the sections.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
         let outputs = self.outputs().into_iter().map(|output| output.column());
-        probes.chain(loads).chain(outputs).collect()
+        let supports = self.supports_on_ground().map(|(_, support)| support);
+        let reactions = reactions::columns(supports.map(|s| (s.name.as_str(), s.fixed)));
+        let sections = self.sections.iter();
+        let sections = sections.flat_map(|s| Section::columns(&s.name, &s.directions));
+        let of_solver = probes.chain(loads).chain(outputs);
+        of_solver.chain(reactions).chain(sections).collect()
     }
 
     /// What the laws of the solids show, each name once; nothing where solids stay elastic.

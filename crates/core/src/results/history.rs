@@ -237,6 +237,7 @@ mod tests {
                 minus: Vec::new(),
                 direction: [1.0, 0.0, 0.0],
                 quantity: ProbeQuantity::Displacement,
+                over: 1.0,
             })
             .into();
         let mut history = HistoryWriter::create(&path, &model).unwrap();

@@ -245,6 +245,20 @@ class Results:
         return along
 
     @property
+    def sections(self) -> dict[str, dict[str, Floats]]:
+        """Forces [kN] and moments [kN m] in the sections by the name of the section, then by that of the component:
+        ``"N_kN"``, ``"Vx_kN"``, ``"My_kNm"``, … Shape (increments,) each. Empty without sections.
+        """
+        found: dict[str, dict[str, Floats]] = {}
+        columns = self.history.probes
+        for first, column in enumerate(columns):
+            name, end = column[: -len("_N_kN")], column[-len("_N_kN") :]
+            own = columns[first : first + 6]
+            if end == "_N_kN" and own[-1] == f"{name}_T_kNm":
+                found[name] = {of[len(name) + 1 :]: self.history[of] for of in own}
+        return found
+
+    @property
     def deck(self) -> str | None:
         """Deck of the run as TOML; None if the folder has no copy."""
         try:

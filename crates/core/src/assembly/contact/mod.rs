@@ -202,6 +202,11 @@ impl Contact {
         range.clone().zip(&self.cells[range])
     }
 
+    /// Master facets of these cells.
+    pub fn masters_of(&self, facet: usize) -> &[u32] {
+        self.candidates.of(facet)
+    }
+
     /// Number of contact cells.
     pub fn cell_count(&self) -> usize {
         self.cells.len()

@@ -140,7 +140,7 @@ const SLIVER: f64 = 0.1;
 pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
     let pattern = courses(wall)?;
     let sizes = Sizes::of(wall);
-    let levels = levels(wall, &sizes);
+    let levels = levels(wall);
     let laid: Vec<Vec<Piece>> = (0..wall.courses)
         .map(|k| {
             let rows = &pattern[k as usize % pattern.len()];
@@ -187,7 +187,8 @@ pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
 }
 
 /// Bottom and top of the units of each course [mm].
-fn levels(wall: &Wall, sizes: &Sizes) -> Vec<(f64, f64)> {
+pub(in crate::deck) fn levels(wall: &Wall) -> Vec<(f64, f64)> {
+    let sizes = Sizes::of(wall);
     let base = wall.at[2].get();
     let heights: Vec<f64> = match wall.bond {
         Bond::Pattern => {

@@ -11,6 +11,7 @@ mod representative;
 mod symmetry;
 
 pub use course::{CourseRow, Slot, courses};
+pub(super) use layout::levels;
 pub use layout::{Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};

@@ -104,6 +104,17 @@ pub struct DeckSupport {
     pub fixed: Vec<Axis>,
 }
 
+impl DeckSupport {
+    /// Whether it holds along x, y, z.
+    pub(in crate::deck) fn holds(&self) -> [bool; 3] {
+        let mut holds = [false; 3];
+        for axis in &self.fixed {
+            holds[axis.index()] = true;
+        }
+        holds
+    }
+}
+
 /// A spring to the ground; a drive may move its far end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

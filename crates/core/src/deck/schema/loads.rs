@@ -3,10 +3,13 @@
 use super::Names;
 use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
+use crate::deck::beams;
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
+use crate::deck::sections::Draft;
 use crate::error::ModelError;
 use crate::material::LawOutput;
 use crate::model::amplitude::Amplitude;
+use crate::model::reactions;
 use crate::model::scene::Fidelity;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::SeqAccessDeserializer;
@@ -108,8 +111,19 @@ impl DeckStep {
 }
 
 impl Deck {
-    /// Additional columns of the history: probes, then loads.
+    /// Additional columns of the history: of probes, loads, outputs, supports and sections.
     pub fn columns(&self) -> Vec<String> {
+        // Beams that turn bring loads.
+        let whole = beams::written_out(self);
+        let deck = whole.as_deref().unwrap_or(self);
+        let sections = deck.drafts();
+        let mut columns = deck.columns_but_of_sections();
+        columns.extend(sections.iter().flat_map(Draft::columns));
+        columns
+    }
+
+    /// Additional columns of the history without those of sections.
+    pub(in crate::deck) fn columns_but_of_sections(&self) -> Vec<String> {
         let probes = self
             .probes
             .iter()
@@ -119,7 +133,24 @@ impl Deck {
             .into_iter()
             .flat_map(|(_, load)| load.columns());
         let outputs = self.outputs().into_iter().map(|output| output.column());
-        probes.chain(loads).chain(outputs).collect()
+        let held = self.held_names();
+        let supports = held.iter().map(|(name, fixed)| (name.as_str(), *fixed));
+        let reactions = reactions::columns(supports);
+        probes
+            .chain(loads)
+            .chain(outputs)
+            .chain(reactions)
+            .collect()
+    }
+
+    /// Names of the supports on the ground and the axes along which they hold: the clamped foot of the wall, those of
+    /// the deck, the springings of the arch.
+    fn held_names(&self) -> Vec<(String, [bool; 3])> {
+        let foot = self.clamped().map(|_| ("bottom".to_owned(), [true; 3]));
+        let own = self.supports.iter().map(|s| (s.on.0.join(", "), s.holds()));
+        let arch = self.arch.as_ref();
+        let arch = arch.map(|_| ("springings".to_owned(), [true; 3]));
+        foot.into_iter().chain(own).chain(arch).collect()
     }
 
     /// What the laws of its solids show, each name once; nothing where solids stay elastic.

@@ -22,6 +22,7 @@ mod procedure;
 pub mod registry;
 mod resumed;
 mod rows;
+mod sections;
 mod stand_in;
 mod steps;
 mod symmetry;
@@ -47,6 +48,7 @@ pub use procedure::{
 };
 pub use registry::SolidKind;
 pub use resumed::DeckChange;
+pub use sections::DeckSection;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use symmetry::{DeckSymmetry, Keep};
 pub use test::{DeckTest, TestKind};
@@ -125,6 +127,9 @@ pub struct Deck {
     /// Quantities recorded in the history.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<DeckProbe>,
+    /// Sections whose resultants are recorded in the history.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sections: Vec<DeckSection>,
     /// Element formulation.
     #[serde(default)]
     pub element: Element,

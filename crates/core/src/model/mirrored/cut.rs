@@ -11,6 +11,7 @@ use crate::model::probes::Probe;
 use crate::model::scene::{
     Beam, BeamMotion, ContactSurfaces, Gravity, HeldBy, Spring, Step, Support,
 };
+use crate::model::sections::Section;
 use crate::model::{Mesh, Model};
 
 /// Part of a vector's size that its component across the plane may have by rounding.
@@ -63,6 +64,8 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let mut supports = supports.collect::<Option<Vec<_>>>()?;
     supports.push(cut.plane());
     let probes = model.probes.iter().map(|probe| cut.probe(probe));
+    let sections = model.sections.iter();
+    let sections = sections.map(|section| cut.section(section, mesh, &element));
     let springs = model.springs.iter().map(|spring| cut.spring(spring));
     let loads = model.loads.iter().map(|load| cut.load(load));
     let steps = model.steps.iter().map(|step| cut.step(step, model));
@@ -77,6 +80,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         initial_velocity: cut.velocity(&model.initial_velocity)?,
         springs: springs.collect::<Option<_>>()?,
         probes: probes.collect::<Option<_>>()?,
+        sections: sections.collect::<Option<_>>()?,
         loads: loads.collect::<Option<_>>()?,
         steps: steps.collect::<Option<_>>()?,
         output: model.output.clone(),
@@ -289,6 +293,27 @@ impl Cut<'_> {
             minus: place(&probe.minus),
             direction,
             ..probe.clone()
+        })
+    }
+
+    /// The kept elements of both sides, if each side is its own image. `element`: numbers in the half.
+    fn section(&self, section: &Section, mesh: &Mesh, element: &[Option<u32>]) -> Option<Section> {
+        let half = |elements: &[u32]| {
+            let mut nodes: Vec<u32> = elements
+                .iter()
+                .flat_map(|e| mesh.elements[*e as usize])
+                .collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let kept = elements.iter().filter_map(|e| element[*e as usize]);
+            let mirrored = self.images.hold_together(&nodes);
+            mirrored.then(|| kept.collect())
+        };
+        let lies_along = section.directions[0][self.images.axis] == 0.0;
+        lies_along.then_some(Section {
+            above: half(&section.above)?,
+            below: half(&section.below)?,
+            ..section.clone()
         })
     }
 

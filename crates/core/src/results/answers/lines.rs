@@ -35,6 +35,9 @@ impl Answers {
         if let Some(shear) = self.base_shear_at_peak_kN {
             line("base shear", format!("{shear:.3} kN at the peak"));
         }
+        for section in &self.sections_at_peak {
+            line("section", section.told());
+        }
         for (side, found) in [
             ("", self.bilinear),
             ("opposite side: ", self.opposite_bilinear),

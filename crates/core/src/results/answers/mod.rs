@@ -20,6 +20,7 @@ mod loops;
 mod performance;
 mod place;
 mod scene;
+mod sections;
 #[cfg(test)]
 mod tests;
 
@@ -36,16 +37,19 @@ pub use lines::{Line, of_point};
 pub use loops::{Loop, loops};
 pub use performance::{LimitState, PerformancePoint, at_drifts, of_code};
 pub use place::Place;
+pub use sections::SectionForces;
 
 use super::snapshot::Snapshots;
 use super::{Curve, FrameChoice, Snapshot};
 use crate::model::Model;
+use crate::model::drive::Drive;
 use crate::state::{HistoryRow, Status, Summary};
 
 /// Answers of a run; the names of the fields are the keys. What a run does not have is `None` or empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[allow(non_snake_case)]
+// More than 15 fields: one for each key of the file.
 pub struct Answers {
     /// Clear height between the supports below and the driven part above [mm]; `None` if nothing above is driven
     /// sideways.
@@ -69,6 +73,8 @@ pub struct Answers {
     pub base_shear_at_peak_kN: Option<f64>,
     /// Forces of the supports at the largest force, by the names of `supports/NAME` [kN]. `[xyz]`
     pub reactions_at_peak_kN: BTreeMap<String, [f64; 3]>,
+    /// Forces in the sections at the largest force.
+    pub sections_at_peak: Vec<SectionForces>,
     /// Mode of failure; `None` if nothing failed or nothing moves sideways.
     pub failure_mode: Option<FailureMode>,
     /// Quantities by which the mode is told; `None` if nothing moves sideways.
@@ -107,7 +113,7 @@ impl Answers {
         let height = super::comparison::clear_height(model);
         let mut answers = Self {
             first_damage: first_damage(model, &run.first_damage),
-            drive_direction: scene::Drive::of(model).map(scene::Drive::name),
+            drive_direction: Drive::of(model).map(Drive::name),
             ..Self::of_curve(curve, height)
         };
         let Some(frames) = frames else {
@@ -119,6 +125,7 @@ impl Answers {
         answers.cracks_at_end = last.as_ref().map(|last| CrackWidths::of(model, last));
         answers.cracks_at_peak = peak.as_ref().map(|peak| CrackWidths::of(model, peak));
         answers.add_reactions(model, curve, frames);
+        answers.add_sections(model, curve, frames);
         let farthest = frames.farthest_from(curve.start().0);
         let farthest = farthest.filter(|_| curve.turns_back());
         let judged = farthest.and_then(|frame| at(FrameChoice::Number(frame)));
@@ -150,11 +157,22 @@ impl Answers {
         if self.reactions_at_peak_kN.is_empty() {
             return;
         }
-        let drive = scene::Drive::of(model).filter(|drive| drive.axis != 2);
+        let drive = Drive::of(model).filter(|drive| drive.axis != 2);
         self.base_shear_at_peak_kN = drive.map(|drive| {
             let along = |force: &[f64; 3]| -drive.sense * force[drive.axis];
             self.reactions_at_peak_kN.values().map(along).sum()
         });
+    }
+
+    /// Adds the forces in the sections at the largest force; of a run without a curve, in the last increment.
+    fn add_sections(&mut self, model: &Model, curve: &Curve, frames: &Snapshots) {
+        let history = frames.history();
+        let peak = history.time_of_peak().filter(|_| curve.peak().is_some());
+        let row = match peak {
+            Some(peak) => history.rows.iter().find(|row| row.time == peak),
+            None => history.rows.last(),
+        };
+        self.sections_at_peak = row.map_or_else(Vec::new, |row| SectionForces::all(model, row));
     }
 
     /// Adds the mode of failure and the performance points, from the frames at the peak and at the end.

@@ -65,12 +65,13 @@ fn as_map(row: &HistoryRow) -> Map<String, Value> {
 
 /// Unit of a column, from the suffix of its name.
 fn unit_of(column: &str) -> &'static str {
-    const ENDS: [(&str, &str); 7] = [
+    const ENDS: [(&str, &str); 8] = [
         ("_mm_per_s", "mm/s"),
         ("_N_per_mm", "N/mm"),
         ("_mm2", "mm2"),
         ("_MPa", "MPa"),
         ("_mm", "mm"),
+        ("_kNm", "kN m"),
         ("_kN", "kN"),
         ("_J", "J"),
     ];

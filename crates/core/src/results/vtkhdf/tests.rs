@@ -99,6 +99,7 @@ fn whole_model() -> Model {
         minus: Vec::new(),
         direction: [1.0, 0.0, 0.0],
         quantity: ProbeQuantity::Displacement,
+        over: 1.0,
     }];
     model.beams = vec![Beam {
         name: "top".to_owned(),

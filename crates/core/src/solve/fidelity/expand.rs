@@ -6,6 +6,7 @@ use wythe_contact::{PointPair, frame_at};
 use crate::assembly::System;
 use crate::model::Model;
 use crate::model::mirrored::{Half, Images};
+use crate::model::sections::COLUMNS;
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::State;
@@ -263,18 +264,28 @@ impl Expand<'_> {
             .collect()
     }
 
-    /// Columns of probes, then those of loads; the last column of each load is its resultant.
-    fn columns(&self, half: &[f64]) -> Vec<f64> {
+    /// Columns of probes, of loads, whose last one is the resultant, of outputs, of supports and of sections. The half
+    /// has one support more, the plane. `reactions`: those of the whole.
+    fn columns(&self, half: &[f64], reactions: &[[f64; 3]]) -> Vec<f64> {
+        let whole = self.whole;
         let mut columns = half.to_vec();
-        let mut next = self.whole.probes.len();
-        for load in &self.whole.loads {
+        let mut next = whole.probes.len();
+        for load in &whole.loads {
             next += load.columns.len();
             columns[next - 1] *= 2.0;
+        }
+        let sections = columns.split_off(half.len() - COLUMNS * whole.sections.len());
+        columns.truncate(next + whole.outputs().len());
+        columns.extend(whole.reaction_values(reactions));
+        for (section, values) in whole.sections.iter().zip(sections.chunks(COLUMNS)) {
+            let factors = section.of_both_halves(self.places.axis);
+            columns.extend(values.iter().zip(factors).map(|(value, both)| both * value));
         }
         columns
     }
 
     fn row(&self, half: &HistoryRow) -> HistoryRow {
+        let reactions = self.reactions(&half.reactions);
         HistoryRow {
             force_kN: 2.0 * half.force_kN,
             reaction_kN: 2.0 * half.reaction_kN,
@@ -289,8 +300,8 @@ impl Expand<'_> {
             open_points: 2 * half.open_points,
             sliding_points: 2 * half.sliding_points,
             contact_area_mm2: 2.0 * half.contact_area_mm2,
-            probes: self.columns(&half.probes),
-            reactions: self.reactions(&half.reactions),
+            probes: self.columns(&half.probes, &reactions),
+            reactions,
             ..half.clone()
         }
     }

@@ -24,7 +24,7 @@ const PARTS: [&str; 8] = [
     "what is held or moves as one",
     "the springs",
     "the initial velocities",
-    "the probes",
+    "the probes or sections",
     "the loads",
 ];
 
@@ -50,7 +50,7 @@ impl Fingerprint {
             &(&model.beams, &model.supports),
             &model.springs,
             &model.initial_velocity,
-            &model.probes,
+            &(&model.probes, &model.sections),
             &model.loads,
         ];
         parts.into_iter().map(digest).collect()

@@ -12,7 +12,7 @@ pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> V
     let probes = model.probes.iter();
     let value = probes.map(|probe| {
         let of_slot = match probe.quantity {
-            ProbeQuantity::Displacement => &state.q,
+            ProbeQuantity::Displacement | ProbeQuantity::Drift => &state.q,
             ProbeQuantity::Velocity => &state.velocity,
         };
         let mean = |nodes: &[u32], axis: usize| {
@@ -22,9 +22,10 @@ pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> V
             };
             nodes.iter().map(at).sum::<f64>() / nodes.len().max(1) as f64
         };
-        component_along(probe.direction, |axis| {
+        let motion = component_along(probe.direction, |axis| {
             mean(&probe.nodes, axis) - mean(&probe.minus, axis)
-        })
+        });
+        motion / probe.over
     });
     value.collect()
 }

@@ -7,6 +7,7 @@ mod loads;
 mod materials;
 mod probes;
 mod references;
+mod sections;
 mod steps;
 mod test;
 mod wall;
@@ -78,6 +79,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.imports();
     checks.probes();
     checks.loads();
+    checks.sections();
     checks.test();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);

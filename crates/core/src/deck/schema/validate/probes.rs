@@ -3,7 +3,7 @@
 use super::Checks;
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
-use crate::deck::schema::{DeckProbe, Heading};
+use crate::deck::schema::{DeckProbe, Heading, ProbeQuantity};
 use crate::model::columns::FIXED;
 
 impl Checks<'_> {
@@ -30,6 +30,13 @@ impl Checks<'_> {
                 "give each probe a name of its own",
             );
             self.place_of_probe(&path, probe);
+            self.require(
+                probe.quantity != ProbeQuantity::Drift
+                    || (probe.minus.is_some() && probe.gauge.is_none()),
+                &format!("{path}.quantity"),
+                || "a drift is measured between two heights".to_owned(),
+                &keys::example("minus"),
+            );
             self.not_empty(&format!("{path}.on"), probe.on.as_ref());
             if let Some(minus) = &probe.minus {
                 self.require(

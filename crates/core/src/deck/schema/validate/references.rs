@@ -59,6 +59,14 @@ impl Checks<'_> {
                 self.places(&roll, &format!("{path}.minus.on"), on.as_ref(), false);
             }
         }
+        for (i, section) in deck.sections.iter().enumerate() {
+            self.places(
+                &roll,
+                &format!("sections.{i}.of"),
+                section.of.as_ref(),
+                false,
+            );
+        }
         for (i, step) in deck.steps.iter().enumerate() {
             self.places(&roll, &format!("steps.{i}.face"), step.face.as_ref(), true);
             for (l, load) in step.loads.iter().enumerate() {
