@@ -13,6 +13,7 @@ mod assembly;
 mod contact;
 mod deck;
 mod element;
+mod limit;
 mod limits;
 mod linear;
 mod material;

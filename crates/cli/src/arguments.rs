@@ -178,6 +178,15 @@ Examples:
   wythe report examples/03_shear_wall_j7d.out
   wythe report wall.out --experiment measured.csv --out wall.html";
 
+const LIMIT_HELP: &str = "\
+Units are rigid, joints are the polygons in which they touch. The factor multiplies the last step that drives, \
+loads or tilts; what stands before it is dead load. Without --associated sliding has no dilatancy. A force along a \
+drive is given in kN.
+
+Examples:
+  wythe limit examples/67_segmental_arch.toml --along x --picture arch.svg
+  wythe limit wall.toml --bonded --strength '8 MPa' --json";
+
 /// The sub-commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -193,6 +202,9 @@ pub enum Command {
     /// Check a model without running it: syntax, units, ranges, physics, sizes.
     #[command(after_help = CHECK_HELP)]
     Check(Check),
+    /// Find the largest load that rigid units on their joints carry, and the mechanism.
+    #[command(after_help = LIMIT_HELP)]
+    Limit(Limit),
     /// Drive one material or interface point along a prescribed path.
     #[command(after_help = DRIVE_HELP)]
     Drive(Drive),
@@ -385,6 +397,33 @@ pub struct Check {
     /// Draw the model, as SVG or PNG by the file's extension.
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub with: ModelArguments,
+}
+
+/// `wythe limit`
+#[derive(Debug, Args)]
+pub struct Limit {
+    /// The model, a TOML file.
+    pub model: PathBuf,
+    /// Let sliding joints open by the friction times the slip: an upper bound.
+    #[arg(long)]
+    pub associated: bool,
+    /// Give joints their tensile strength and cohesion; without, they are dry.
+    #[arg(long)]
+    pub bonded: bool,
+    /// Compressive strength of the joints, such as '8 MPa'; without, it is infinite.
+    #[arg(long, value_name = "PRESSURE")]
+    pub strength: Option<String>,
+    /// Body force over the weight along this direction, in place of the steps of the deck.
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    pub along: Option<String>,
+    /// Draw the mechanism and the forces, as SVG or PNG by the file's extension.
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
     #[command(flatten)]
     pub with: ModelArguments,
 }

@@ -7,12 +7,12 @@ use wythe_core::deck::MOST_BYTES;
 use wythe_core::error::ErrorKind;
 use wythe_core::input;
 use wythe_core::model::Model;
-use wythe_core::results::plotting::{png, scene};
+use wythe_core::results::plotting::scene;
 
 use crate::arguments::Check;
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
-use crate::plot::{undrawn, write_answer};
+use crate::plot::write_picture;
 use crate::say::print;
 
 /// Reads and builds the model, and prints its errors, or its warnings and sizes.
@@ -47,23 +47,7 @@ pub fn check(arguments: &Check) -> Result<(), Failure> {
 
 /// Draws the model.
 fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
-    let svg = scene(model);
-    let extension = picture
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or_default();
-    let bytes = match extension.to_ascii_lowercase().as_str() {
-        "svg" => svg.into_bytes(),
-        "png" => png(&svg, 2.0).map_err(|why| undrawn(&why))?,
-        _ => {
-            return Err(Failure::Model(miette::miette!(
-                help = "name it scene.svg or scene.png",
-                "{} is neither an SVG nor a PNG",
-                picture.display()
-            )));
-        }
-    };
-    write_answer(picture, &bytes, inputs)
+    write_picture(picture, scene(model), inputs)
 }
 
 /// Prints one JSON object, whether the model is right or wrong.

@@ -13,6 +13,7 @@ mod failure;
 mod findings;
 mod info;
 mod interrupt;
+mod limit;
 mod new;
 mod plot;
 mod report;
@@ -100,6 +101,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::New(arguments) => new::new(arguments),
         Command::Resume(arguments) => resume::resume(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Limit(arguments) => limit::limit(arguments),
         Command::Schema => schema::schema(),
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Salvage(arguments) => salvage::salvage(arguments),

@@ -137,6 +137,26 @@ pub fn write_answer(path: &Path, bytes: &[u8], inputs: &[PathBuf]) -> Result<(),
     })
 }
 
+/// Writes a picture as SVG or PNG, by the extension of the file.
+pub fn write_picture(picture: &Path, svg: String, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let extension = picture
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    let bytes = match extension.to_ascii_lowercase().as_str() {
+        "svg" => svg.into_bytes(),
+        "png" => png(&svg, 2.0).map_err(|why| undrawn(&why))?,
+        _ => {
+            return Err(Failure::Model(miette::miette!(
+                help = "name it scene.svg or scene.png",
+                "{} is neither an SVG nor a PNG",
+                picture.display()
+            )));
+        }
+    };
+    write_answer(picture, &bytes, inputs)
+}
+
 /// Writes a file into a folder, which is created if necessary.
 pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, IoError> {
     let path = folder.join(name);

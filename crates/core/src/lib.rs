@@ -14,6 +14,7 @@ pub mod error;
 pub mod experiment;
 pub mod files;
 pub mod input;
+pub mod limit;
 pub mod linear;
 pub mod material;
 pub mod model;

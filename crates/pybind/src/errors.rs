@@ -8,6 +8,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use wythe_core::error::{DeckError, ErrorKind, IoError, ModelError};
+use wythe_core::limit::LimitError;
 use wythe_core::results::mcap::salvage::SalvageError;
 use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
@@ -53,6 +54,11 @@ fn told(error: &ModelError, text: Text) -> Told {
 /// A failed law of Python.
 pub fn of_law(py: Python<'_>, message: &str) -> PyErr {
     raise(py, "LawError", (message,))
+}
+
+/// A limit analysis without a factor.
+pub fn of_limit(py: Python<'_>, why: &LimitError) -> PyErr {
+    raise(py, "LimitError", (why.to_string(), in_python(why.advice())))
 }
 
 /// Line and column of the error, if the text was written by the user.

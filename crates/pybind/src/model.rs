@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{ModelError, Warning};
+use wythe_core::limit::{LimitSettings, analyse, picture};
 use wythe_core::model::Model;
 use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::export::inp;
@@ -195,6 +196,36 @@ impl Deck {
             Ok((model, _)) => Ok(scene(model)),
             Err(error) => Err(errors::bug(&error.to_string())),
         })
+    }
+
+    /// Limit analysis: the result as JSON, and its picture.
+    #[pyo3(signature = (associated, bonded, strength, along))]
+    fn limit(
+        &self,
+        py: Python<'_>,
+        associated: bool,
+        bonded: bool,
+        strength: Option<f64>,
+        along: Option<[f64; 3]>,
+    ) -> PyResult<(String, String)> {
+        let built = self.sound(py)?;
+        let settings = LimitSettings {
+            associated,
+            bonded,
+            strength,
+            along,
+        };
+        let Ok((model, _)) = &*built else {
+            return Err(errors::bug("a sound model is none"));
+        };
+        let found =
+            py.detach(|| analyse(model, &settings).map(|found| (picture(model, &found), found)));
+        let (svg, found) = found.map_err(|why| errors::of_limit(py, &why))?;
+        let text = serde_json::to_string(&found);
+        Ok((
+            text.map_err(|error| errors::bug(&format!("limit analysis as JSON: {error}")))?,
+            svg,
+        ))
     }
 
     /// The model in the format of Abaqus.

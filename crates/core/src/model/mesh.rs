@@ -144,15 +144,30 @@ impl Mesh {
 
     /// Volume ∫ det J of element `e` [mm³], which 2×2×2 Gauss points integrate exactly.
     pub fn volume(&self, e: usize) -> f64 {
+        self.volume_and_moment(e).0
+    }
+
+    /// Centroid ∫ x det J/volume of element `e` [mm], exact as its volume.
+    pub fn centroid(&self, e: usize) -> [f64; 3] {
+        let (volume, moment) = self.volume_and_moment(e);
+        moment.map(|moment| moment / volume)
+    }
+
+    fn volume_and_moment(&self, e: usize) -> (f64, [f64; 3]) {
         let x = self.corners(e);
         let g = 1.0 / 3.0_f64.sqrt();
-        let mut volume = 0.0;
+        let (mut volume, mut moment) = (0.0, [0.0; 3]);
         for p in 0..8_usize {
             let [r, s, t] =
                 [p & 1, (p >> 1) & 1, p >> 2].map(|high| if high == 1 { g } else { -g });
             // ∂x/∂ξ along each local axis, [axis][xyz].
             let mut jacobian = [[0.0; 3]; 3];
+            let mut at = [0.0; 3];
             for (n, [a, b, c]) in CORNERS.iter().enumerate() {
+                let weight = 0.125 * (1.0 + a * r) * (1.0 + b * s) * (1.0 + c * t);
+                for (at, x) in at.iter_mut().zip(x[n]) {
+                    *at += weight * x;
+                }
                 let slopes = [
                     a * (1.0 + b * s) * (1.0 + c * t),
                     b * (1.0 + a * r) * (1.0 + c * t),
@@ -165,8 +180,12 @@ impl Mesh {
                 }
             }
             let [[a, b, c], [d, e, f], [g, h, i]] = jacobian;
-            volume += a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+            let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+            volume += determinant;
+            for (moment, at) in moment.iter_mut().zip(at) {
+                *moment += determinant * at;
+            }
         }
-        volume
+        (volume, moment)
     }
 }

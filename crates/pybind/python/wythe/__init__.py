@@ -36,6 +36,7 @@ from wythe._drive import (
 from wythe._errors import (
     ConvergenceError,
     LawError,
+    LimitError,
     ModelError,
     OutputError,
     PointError,
@@ -46,6 +47,7 @@ from wythe._errors import (
 )
 from wythe._frames import Frame, History, Interfaces
 from wythe._laws import JointLaw, SolidLaw
+from wythe._limit import LimitAnalysis
 from wythe._model import Findings, Model, Problem
 from wythe._picture import Picture
 from wythe._results import Results
@@ -83,6 +85,8 @@ __all__ = [
     "Interfaces",
     "JointLaw",
     "LawError",
+    "LimitAnalysis",
+    "LimitError",
     "MaterialResponse",
     "MaterialState",
     "Model",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ConvergenceError",
     "LawError",
+    "LimitError",
     "ModelError",
     "OutputError",
     "PointError",
@@ -119,6 +120,26 @@ def _rebuilt(
 class LawError(WytheError, ValueError):
     """A law that a Python function gives has failed: an exception, a wrong shape, a number that is not finite, or a
     check that it does not pass. The message names the law; the exception of the function is the cause."""
+
+
+class LimitError(WytheError, ValueError):
+    """A limit analysis has no factor: the dead loads alone are too much, any factor is carried, nothing is live.
+
+    Attributes
+    ----------
+    message : str
+        The reason.
+    fix : str
+        Advice on a remedy.
+    """
+
+    def __init__(self, message: str, fix: str) -> None:
+        super().__init__(message, fix)
+        self.message = message
+        self.fix = fix
+
+    def __str__(self) -> str:
+        return f"{self.message}\n  fix: {self.fix}"
 
 
 class ConvergenceError(WytheError, RuntimeError):

@@ -17,6 +17,7 @@ from wythe import _wythe
 from wythe._errors import ModelError, as_path, expected, write_text
 from wythe._json import plain
 from wythe._laws import JointLaw, SolidLaw
+from wythe._limit import LimitAnalysis, limit_of
 from wythe._picture import Picture
 from wythe._results import Results
 from wythe._run import Increment, run_deck
@@ -296,6 +297,38 @@ class Model:
     def picture(self) -> Picture:
         """Picture of the model: elevation, section and plans with materials and interfaces."""
         return Picture(self._deck.picture())
+
+    def limit(
+        self,
+        *,
+        associated: bool = False,
+        bonded: bool = False,
+        strength: float | None = None,
+        along: str | Sequence[float] | None = None,
+    ) -> LimitAnalysis:
+        """Largest factor of the live loads that rigid units on their joints carry, and the mechanism.
+
+        The factor multiplies the last step that drives, loads or tilts; what stands before it is dead load.
+
+        Parameters
+        ----------
+        associated
+            Whether joints that slide also open, by the friction times the slip: an upper bound.
+        bonded
+            Whether joints have their tensile strength and cohesion; they are dry otherwise.
+        strength
+            Compressive strength of the joints [MPa]; infinite if not given.
+        along
+            Direction of a body force over the weight, in place of the steps: ``"x"``, ``"-y"``, or a vector.
+
+        Raises
+        ------
+        LimitError
+            No factor: the dead loads alone are too much, any factor is carried, or nothing is live.
+        ModelError
+            The model is invalid.
+        """
+        return limit_of(self._deck, associated, bonded, strength, along)
 
     def to_inp(self) -> str:
         """The model as an input file for Abaqus: nodes, elements, sets, materials, contact and steps."""

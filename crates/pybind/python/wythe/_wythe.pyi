@@ -43,6 +43,13 @@ class Deck:
     def check(self) -> str: ...
     def picture(self) -> str: ...
     def inp(self) -> str: ...
+    def limit(
+        self,
+        associated: bool,
+        bonded: bool,
+        strength: float | None,
+        along: list[float] | None,
+    ) -> tuple[str, str]: ...
 
 @final
 class Fields:

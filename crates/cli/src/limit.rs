@@ -1,0 +1,137 @@
+//! `wythe limit`: limit analysis of rigid units.
+
+use serde_json::json;
+use wythe_core::deck::quantity::Pressure;
+use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, analyse, picture};
+use wythe_core::model::Model;
+
+use crate::arguments::Limit;
+use crate::failure::Failure;
+use crate::findings::{self, Sound};
+use crate::plot::write_picture;
+use crate::say::print;
+
+/// Reads the model, finds the factor and prints it.
+pub fn limit(arguments: &Limit) -> Result<(), Failure> {
+    let path = &arguments.model;
+    let settings = settings(arguments)?;
+    let found = findings::read(path, &arguments.with);
+    let Sound { deck, model, .. } = found.map_err(|unsound| unsound.tell(path))?;
+    let found = analyse(&model, &settings).map_err(|why| failure(&why))?;
+    if let Some(file) = &arguments.picture {
+        write_picture(file, picture(&model, &found), &deck.inputs())?;
+    }
+    if !arguments.json {
+        return print(&text(&model, &found, &settings));
+    }
+    let json = serde_json::to_string_pretty(&found)
+        .map_err(|error| Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}"))))?;
+    print(&format!("{json}\n"))
+}
+
+fn failure(why: &LimitError) -> Failure {
+    let report = miette::miette!(help = why.advice(), "{why}");
+    match why {
+        LimitError::Solver(_) => Failure::NotConverged(report),
+        _ => Failure::Model(report),
+    }
+}
+
+/// Settings of the command line.
+fn settings(arguments: &Limit) -> Result<LimitSettings, Failure> {
+    let strength = arguments.strength.as_deref().map(pressure).transpose()?;
+    let along = arguments.along.as_deref().map(direction).transpose()?;
+    Ok(LimitSettings {
+        associated: arguments.associated,
+        bonded: arguments.bonded,
+        strength,
+        along,
+    })
+}
+
+/// A pressure above 0 [MPa].
+fn pressure(text: &str) -> Result<f64, Failure> {
+    let value = text
+        .parse()
+        .map_or_else(|_| json!(text), |number: f64| json!(number));
+    let found = serde_json::from_value::<Pressure>(value)
+        .ok()
+        .map(Pressure::get);
+    found.filter(|p| *p > 0.0).ok_or_else(|| {
+        Failure::Model(miette::miette!(
+            help = "write it like this: --strength '8 MPa'",
+            "--strength: `{text}` is no pressure above 0"
+        ))
+    })
+}
+
+/// `x`, `-y`, … as a vector.
+fn direction(text: &str) -> Result<[f64; 3], Failure> {
+    let (name, sign) = match text.strip_prefix('-') {
+        Some(name) => (name, -1.0),
+        None => (text, 1.0),
+    };
+    let axis = ["x", "y", "z"].iter().position(|axis| *axis == name);
+    let Some(axis) = axis else {
+        return Err(Failure::Model(miette::miette!(
+            help = "x, -x, y, -y, z or -z",
+            "--along: `{text}` is no direction"
+        )));
+    };
+    let mut along = [0.0; 3];
+    along[axis] = sign;
+    Ok(along)
+}
+
+/// The result as text.
+fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> String {
+    let mut text = format!("{}\n", model.title);
+    let mut line = |head: &str, what: String| text += &format!("  {head:12}{what}\n");
+    line("live load", found.live_load.clone());
+    match found.force {
+        Some(force) => line("limit", format!("{force:.4} kN")),
+        None => line("limit", format!("factor {:.6}", found.factor)),
+    }
+    let joints = if settings.bonded {
+        "with their bond"
+    } else {
+        "dry"
+    };
+    let flow = if settings.associated {
+        "associated: they open as they slide"
+    } else {
+        "without dilatancy"
+    };
+    line("joints", format!("{joints}, {flow}"));
+    if !settings.associated {
+        let unit = if found.force.is_some() { 1e-3 } else { 1.0 };
+        line(
+            "associated",
+            format!("{:.6}, an upper bound", unit * found.associated_factor),
+        );
+    }
+    line(
+        "certificate",
+        format!(
+            "the mechanism gives the same factor within {:.0e}",
+            found.gap
+        ),
+    );
+    let [bodies, joints, corners] = found.sizes;
+    line(
+        "sizes",
+        format!("{bodies} bodies that can move, {joints} joints, {corners} corners"),
+    );
+    let moving = found.mechanism.iter().filter(|unit| {
+        let speed = unit.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+        speed > 1e-3
+    });
+    line("mechanism", format!("{} units move", moving.count()));
+    if !found.converged {
+        text += &format!(
+            "warning: the forces of {} programs did not settle; the last factor is given\n",
+            found.programs
+        );
+    }
+    text
+}

@@ -1,0 +1,406 @@
+//! Joints between rigid bodies: the polygons in which their faces touch at rest.
+
+use nalgebra::{Vector2, Vector3};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+use wythe_contact::{Aabb, Candidates, InterfaceLaw, Surface};
+
+use super::bodies::Bodies;
+use crate::model::Model;
+use crate::model::boundary_facets::BoundaryFacets;
+
+/// Strengths of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strength {
+    /// Friction of the bond, or of the dry joint [-].
+    pub friction: f64,
+    /// Cohesion [MPa].
+    pub cohesion: f64,
+    /// Tensile strength [MPa].
+    pub tension: f64,
+}
+
+/// A plane joint between two bodies.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// Bodies; the normal points from the first to the second one.
+    pub bodies: [usize; 2],
+    /// Normal and two tangents, of length 1.
+    pub frame: [Vector3<f64>; 3],
+    /// Corners of the convex polygon [mm].
+    pub corners: Vec<Vector3<f64>>,
+    /// Area [mm²].
+    pub area: f64,
+    /// Index of its law; `None` for general contact.
+    pub law: Option<u16>,
+    /// Strengths.
+    pub strength: Strength,
+}
+
+/// Gap of facets that touch, over the mean size of the facet. Decks round lengths.
+const TOUCHING: f64 = 1e-3;
+/// Cosine of the largest angle between facets that touch.
+const PARALLEL: f64 = 0.999;
+/// Part of its area by which a polygon may grow when it is merged with others into one that is convex.
+const CONVEX: f64 = 1e-6;
+/// Smallest area of a joint over that of its facet.
+const SLIVER: f64 = 1e-6;
+
+impl Joint {
+    /// Middle of the corners [mm].
+    pub fn middle(&self) -> Vector3<f64> {
+        let sum: Vector3<f64> = self.corners.iter().sum();
+        sum / self.corners.len() as f64
+    }
+
+    /// Distances of the corners from the middle of the joint towards each of four edges, over half of its depth there:
+    /// 1 at the edge. The edges are those of a rectangle along the first side of the polygon. `[edge][corner]`
+    pub fn arms(&self) -> [Vec<f64>; 4] {
+        let side = self.corners[1] - self.corners[0];
+        let first = side.try_normalize(0.0).unwrap_or(self.frame[1]);
+        let towards = |along: Vector3<f64>| -> Vec<f64> {
+            let places: Vec<f64> = self.corners.iter().map(|x| x.dot(&along)).collect();
+            let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            places.iter().map(|place| (place - middle) / half).collect()
+        };
+        let second = self.frame[0].cross(&first);
+        [first, -first, second, -second].map(towards)
+    }
+
+    /// All joints of a model at rest. `bonded`: with tensile strength and cohesion; otherwise the joints are dry, with
+    /// the friction that is left without bond.
+    pub fn all(model: &Model, bodies: &Bodies, bonded: bool) -> Vec<Self> {
+        let contact = &model.contact;
+        let skin = BoundaryFacets::of(&model.mesh);
+        let sorted = |facet: &[u32; 4]| {
+            let mut nodes = *facet;
+            nodes.sort_unstable();
+            nodes
+        };
+        let element: FxHashMap<[u32; 4], u32> = skin
+            .facets
+            .iter()
+            .map(sorted)
+            .zip(skin.element.iter().copied())
+            .collect();
+        let body = |facet: &[u32; 4]| {
+            let element = element.get(&sorted(facet))?;
+            Some(bodies.of_element[*element as usize])
+        };
+        let whole: Vec<(usize, [u32; 4])> = contact.whole_slaves().map(|(f, n)| (f, *n)).collect();
+        let planned = Sides {
+            slave: whole.iter().map(|(_, nodes)| *nodes).collect(),
+            law: whole
+                .iter()
+                .map(|(f, _)| Some(contact.slave_law[*f]))
+                .collect(),
+            master: contact.master_facets.clone(),
+        };
+        let mut sides = vec![planned];
+        if contact.general.is_some() {
+            sides.push(Sides {
+                slave: skin.facets.clone(),
+                law: vec![None; skin.facets.len()],
+                master: skin.facets.clone(),
+            });
+        }
+        let mut patches: BTreeMap<[usize; 2], Vec<Self>> = BTreeMap::new();
+        for side in &sides {
+            side.touching(&model.mesh.nodes, &body, &mut |bodies, polygon, law| {
+                let strength = match (law, &contact.general) {
+                    (Some(law), _) => strength(&contact.laws[usize::from(law)], bonded),
+                    (None, general) => Strength {
+                        friction: general.as_ref().map_or(0.0, |general| general.mu),
+                        cohesion: 0.0,
+                        tension: 0.0,
+                    },
+                };
+                let Polygon {
+                    frame,
+                    corners,
+                    area,
+                } = polygon;
+                let of_pair = patches.entry(bodies).or_default();
+                // Faces that the deck pairs are not paired again by general contact.
+                let known = |joint: &&Self| joint.law.is_some() && law.is_none();
+                if of_pair.iter().any(|joint| known(&joint)) {
+                    return;
+                }
+                of_pair.push(Self {
+                    bodies,
+                    frame,
+                    corners,
+                    area,
+                    law,
+                    strength,
+                });
+            });
+        }
+        patches.into_values().flat_map(merged).collect()
+    }
+}
+
+/// Strengths of a law.
+fn strength(law: &InterfaceLaw, bonded: bool) -> Strength {
+    let (f_t, c, tan_phi, mu) = match law {
+        InterfaceLaw::CohesiveFrictional(law) => (law.f_t, law.c, law.tan_phi, law.mu),
+        InterfaceLaw::Cap(law) => (law.f_t, law.c, law.tan_phi, law.mu),
+        // Slopes of a law that is not known: its friction is what it bounds a large pressure to.
+        InterfaceLaw::Custom(law) => {
+            let pressed = wythe_contact::InterfaceHistory::default();
+            let bounded = law.within_bounds([-1.0, 1e3, 0.0], &pressed);
+            let mu = bounded[1].abs();
+            (0.0, 0.0, mu, mu)
+        }
+    };
+    if bonded && c > 0.0 {
+        Strength {
+            friction: tan_phi,
+            cohesion: c,
+            tension: f_t,
+        }
+    } else {
+        Strength {
+            friction: mu,
+            cohesion: 0.0,
+            tension: 0.0,
+        }
+    }
+}
+
+/// Two surfaces that may touch.
+struct Sides {
+    slave: Vec<[u32; 4]>,
+    law: Vec<Option<u16>>,
+    master: Vec<[u32; 4]>,
+}
+
+/// A convex polygon in space.
+struct Polygon {
+    frame: [Vector3<f64>; 3],
+    corners: Vec<Vector3<f64>>,
+    area: f64,
+}
+
+impl Sides {
+    /// Calls `found` with the bodies, the polygon and the law of each pair of facets of two bodies that touch.
+    fn touching(
+        &self,
+        x: &[[f64; 3]],
+        body: &dyn Fn(&[u32; 4]) -> Option<usize>,
+        found: &mut dyn FnMut([usize; 2], Polygon, Option<u16>),
+    ) {
+        let surface = |facets: &[[u32; 4]]| Surface {
+            facets: facets.to_vec(),
+            body: facets
+                .iter()
+                .map(|f| body(f).map_or(u32::MAX, |b| b as u32))
+                .collect(),
+        };
+        let (slave, master) = (surface(&self.slave), surface(&self.master));
+        let corners = |facet: &[u32; 4]| facet.map(|n| x[n as usize]);
+        let boxes: Vec<Aabb> = self.slave.iter().map(|f| Aabb::of(&corners(f))).collect();
+        let sizes = self.slave.iter().map(|f| size(&corners(f)));
+        let mean = sizes.sum::<f64>() / self.slave.len().max(1) as f64;
+        let near = Candidates::find(&slave, &boxes, &master, x, TOUCHING * mean);
+        for (f, facet) in self.slave.iter().enumerate() {
+            for m in near.of(f) {
+                let other = &self.master[*m as usize];
+                let (Some(a), Some(b)) = (body(facet), body(other)) else {
+                    continue;
+                };
+                if a == b {
+                    continue;
+                }
+                if let Some(polygon) = overlap(&corners(facet), &corners(other)) {
+                    found([a, b], polygon, self.law[f]);
+                }
+            }
+        }
+    }
+}
+
+/// Square root of the area of a facet [mm].
+fn size(corners: &[[f64; 3]; 4]) -> f64 {
+    area_vector(corners).norm().sqrt()
+}
+
+fn area_vector(corners: &[[f64; 3]; 4]) -> Vector3<f64> {
+    let x = corners.map(Vector3::from);
+    0.5 * (x[2] - x[0]).cross(&(x[3] - x[1]))
+}
+
+/// Common part of two facets that face each other and touch; none if there is none.
+fn overlap(slave: &[[f64; 3]; 4], master: &[[f64; 3]; 4]) -> Option<Polygon> {
+    let own = area_vector(slave);
+    let normal = own.try_normalize(0.0)?;
+    let other = area_vector(master).try_normalize(0.0)?;
+    if normal.dot(&other) > -PARALLEL {
+        return None;
+    }
+    let x = slave.map(Vector3::from);
+    let origin = x.iter().sum::<Vector3<f64>>() / 4.0;
+    let first = (x[1] - x[0]).try_normalize(0.0)?;
+    let first = (first - normal * normal.dot(&first)).normalize();
+    let second = normal.cross(&first);
+    let gap = |x: &[f64; 3]| (Vector3::from(*x) - origin).dot(&normal).abs();
+    let reach = TOUCHING * own.norm().sqrt();
+    if master.iter().map(gap).fold(f64::INFINITY, f64::min) > reach {
+        return None;
+    }
+    let flat = |x: &[f64; 3]| {
+        let x = Vector3::from(*x) - origin;
+        Vector2::new(x.dot(&first), x.dot(&second))
+    };
+    let clip: Vec<Vector2<f64>> = slave.iter().map(flat).collect();
+    // The master runs the other way round, seen along the normal of the slave.
+    let mut polygon: Vec<Vector2<f64>> = master.iter().rev().map(flat).collect();
+    for k in 0..4 {
+        polygon = clipped(&polygon, clip[k], clip[(k + 1) % 4]);
+    }
+    let area = area(&polygon);
+    let corners = polygon.iter().map(|p| origin + first * p.x + second * p.y);
+    (area > SLIVER * own.norm()).then(|| Polygon {
+        frame: [normal, first, second],
+        corners: corners.collect(),
+        area,
+    })
+}
+
+/// Part of a polygon to the left of a line (Sutherland and Hodgman 1974).
+fn clipped(polygon: &[Vector2<f64>], from: Vector2<f64>, to: Vector2<f64>) -> Vec<Vector2<f64>> {
+    let way = to - from;
+    let side = |p: &Vector2<f64>| way.x * (p.y - from.y) - way.y * (p.x - from.x);
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, p) in polygon.iter().enumerate() {
+        let next = &polygon[(k + 1) % polygon.len()];
+        let (here, there) = (side(p), side(next));
+        if here >= 0.0 {
+            kept.push(*p);
+        }
+        if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+            kept.push(p + (next - p) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
+fn area(polygon: &[Vector2<f64>]) -> f64 {
+    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    0.5 * edges.map(|(a, b)| a.x * b.y - a.y * b.x).sum::<f64>()
+}
+
+/// Joints of two bodies, with those of one plane merged where their union is convex.
+fn merged(patches: Vec<Joint>) -> Vec<Joint> {
+    let mut planes: Vec<Vec<Joint>> = Vec::new();
+    for patch in patches {
+        let belongs = |of: &&mut Vec<Joint>| {
+            let own = &of[0];
+            let gap = (patch.corners[0] - own.corners[0]).dot(&own.frame[0]).abs();
+            own.bodies == patch.bodies
+                && own.law == patch.law
+                && own.frame[0].dot(&patch.frame[0]) > 1.0 - CONVEX
+                && gap <= TOUCHING * own.area.sqrt()
+        };
+        match planes.iter_mut().find(belongs) {
+            Some(plane) => plane.push(patch),
+            None => planes.push(vec![patch]),
+        }
+    }
+    planes.into_iter().flat_map(hull_of).collect()
+}
+
+/// The convex hull of joints in one plane, or the joints themselves if it is larger than they are.
+fn hull_of(plane: Vec<Joint>) -> Vec<Joint> {
+    let [_, first, second] = plane[0].frame;
+    let origin = plane[0].corners[0];
+    let flat = |x: &Vector3<f64>| Vector2::new((x - origin).dot(&first), (x - origin).dot(&second));
+    let points = plane
+        .iter()
+        .flat_map(|joint| joint.corners.iter().map(flat));
+    let hull = hull(points.collect());
+    let (whole, parts) = (
+        area(&hull),
+        plane.iter().map(|joint| joint.area).sum::<f64>(),
+    );
+    if hull.len() < 3 || whole > (1.0 + CONVEX) * parts {
+        return plane;
+    }
+    let corners = hull.iter().map(|p| origin + first * p.x + second * p.y);
+    vec![Joint {
+        corners: corners.collect(),
+        area: whole,
+        ..plane[0].clone()
+    }]
+}
+
+/// Convex hull, counter-clockwise (Andrew 1979). Points on its edges are left out.
+pub(super) fn hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let reach = points
+        .iter()
+        .map(|p| (p - points[0]).norm())
+        .fold(0.0, f64::max);
+    let straight = 1e-9 * reach * reach;
+    let half = |points: &mut dyn Iterator<Item = &Vector2<f64>>| {
+        let mut chain: Vec<Vector2<f64>> = Vec::new();
+        for p in points {
+            while let [.., a, b] = chain[..] {
+                let turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+                if turn > straight {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(*p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut lower = half(&mut points.iter());
+    lower.extend(half(&mut points.iter().rev()));
+    lower
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: [[f64; 3]; 4] = [[0., 0., 0.], [2., 0., 0.], [2., 2., 0.], [0., 2., 0.]];
+
+    #[test]
+    fn facets_that_face_each_other_overlap() {
+        let shifted = |dx: f64, dy: f64, dz: f64| {
+            // Seen from above, so that its normal points down.
+            [0, 3, 2, 1].map(|k: usize| [UNIT[k][0] + dx, UNIT[k][1] + dy, UNIT[k][2] + dz])
+        };
+        let found = overlap(&UNIT, &shifted(1.0, 0.5, 0.0)).unwrap();
+        // Rounding of a few products.
+        assert!((found.area - 1.5).abs() < 1e-12);
+        assert!((found.frame[0] - Vector3::z()).norm() < 1e-15);
+        assert!(
+            overlap(&UNIT, &shifted(2.0, 0.0, 0.0)).is_none(),
+            "an edge is no joint"
+        );
+        assert!(overlap(&UNIT, &shifted(0.0, 0.0, 0.1)).is_none(), "a gap");
+        assert!(overlap(&UNIT, &UNIT).is_none(), "they look the same way");
+    }
+
+    #[test]
+    fn a_hull_leaves_out_points_on_its_edges() {
+        let points = [
+            [0., 0.],
+            [1., 0.],
+            [2., 0.],
+            [2., 1.],
+            [1., 1.],
+            [0., 1.],
+            [0., 0.5],
+        ];
+        let hull = hull(points.map(|[x, y]| Vector2::new(x, y)).to_vec());
+        assert_eq!(hull.len(), 4);
+        assert_eq!(area(&hull), 2.0);
+    }
+}

@@ -1,0 +1,95 @@
+"""Limit analysis of rigid units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from wythe import _wythe
+from wythe._errors import expected
+from wythe._picture import Picture
+
+__all__ = ["LimitAnalysis", "limit_of"]
+
+
+@dataclass(frozen=True)
+class LimitAnalysis:
+    """Largest factor of the live loads that rigid units on their joints carry.
+
+    Attributes
+    ----------
+    factor : float
+        The factor; of a drive the force [N].
+    force : float or None
+        Force along the drive [kN]; None if the live load is none.
+    live_load : str
+        What the factor multiplies.
+    associated_factor : float
+        Factor if joints open as they slide, an upper bound.
+    gap : float
+        Distance of the factor to that of its mechanism, over the factor [-]: a certificate of the solution.
+    converged : bool
+        Whether the forces settled; the factor is that of the last program otherwise.
+    programs : int
+        Number of programs that were solved.
+    mechanism : list of dict
+        Motion of each unit: ``name``, ``centre_mm``, ``velocity`` of the centre, ``spin`` [1/mm]. The fastest
+        point moves by 1.
+    joints : list of dict
+        Resultant in each joint: ``bodies``, ``at_mm`` where the normal force acts, ``force_N``, ``normal_N``,
+        ``sliding``: the used part of the shear strength.
+    """
+
+    factor: float
+    force: float | None
+    live_load: str
+    associated_factor: float
+    gap: float
+    converged: bool
+    programs: int
+    mechanism: list[dict[str, Any]] = field(repr=False)
+    joints: list[dict[str, Any]] = field(repr=False)
+    picture: Picture = field(repr=False)
+    """The mechanism and the forces."""
+
+
+def limit_of(
+    deck: _wythe.Deck,
+    associated: bool,
+    bonded: bool,
+    strength: float | None,
+    along: str | Sequence[float] | None,
+) -> LimitAnalysis:
+    """See :meth:`wythe.Model.limit`."""
+    way = None if along is None else _direction(along)
+    if strength is not None and not strength > 0.0:
+        raise expected("strength", "a pressure above 0 [MPa]", strength)
+    text, svg = deck.limit(associated, bonded, strength, way)
+    found: dict[str, Any] = json.loads(text)
+    return LimitAnalysis(
+        factor=found["factor"],
+        force=found["force_kN"],
+        live_load=found["live_load"],
+        associated_factor=found["associated_factor"],
+        gap=found["gap"],
+        converged=found["converged"],
+        programs=found["programs"],
+        mechanism=found["mechanism"],
+        joints=found["joints"],
+        picture=Picture(svg),
+    )
+
+
+def _direction(along: str | Sequence[float]) -> list[float]:
+    if isinstance(along, str):
+        sign, name = (-1.0, along[1:]) if along.startswith("-") else (1.0, along)
+        if name not in ("x", "y", "z"):
+            raise expected("along", '"x", "-x", …, or a vector', along)
+        return [sign * float(axis == name) for axis in ("x", "y", "z")]
+    vector = [float(part) for part in along]
+    length = sum(part * part for part in vector) ** 0.5
+    if len(vector) != 3 or not 0.0 < length < float("inf"):
+        raise expected("along", "a vector of three numbers other than 0", along)
+    return [part / length for part in vector]

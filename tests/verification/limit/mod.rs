@@ -1,0 +1,298 @@
+//! Limit analysis against closed forms, and against linear programs of others.
+
+use crate::common::blocks::{HEAD, deck_and_model};
+use wythe::deck::Deck;
+use wythe::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};
+use wythe::model::Model;
+
+fn read(path: &str) -> Model {
+    let deck = Deck::load(path, &[]).unwrap_or_else(|e| panic!("{path}: {e}"));
+    Model::from_deck(&deck)
+        .unwrap_or_else(|e| panic!("{path}: {e}"))
+        .0
+}
+
+fn scene(text: &str) -> Model {
+    deck_and_model(&format!("{HEAD}{text}")).1
+}
+
+fn along(axis: usize) -> LimitSettings {
+    let mut along = [0.0; 3];
+    along[axis] = 1.0;
+    LimitSettings {
+        along: Some(along),
+        ..LimitSettings::default()
+    }
+}
+
+fn associated(settings: LimitSettings) -> LimitSettings {
+    LimitSettings {
+        associated: true,
+        ..settings
+    }
+}
+
+/// Both factors of a model, of which that without dilatancy is not larger; solutions must be certified.
+fn both(model: &Model, settings: LimitSettings) -> [f64; 2] {
+    let [bound, level] = [associated(settings), settings].map(|settings| {
+        let found = analyse(model, &settings).unwrap();
+        // The cone programs are solved to 1e-9.
+        assert!(
+            found.gap < 1e-6 && found.converged,
+            "{} {}",
+            found.gap,
+            found.programs
+        );
+        found.factor
+    });
+    // The tolerance at which the forces count as settled.
+    assert!(level <= bound * (1.0 + 1e-4), "{level} {bound}");
+    [bound, level]
+}
+
+/// A block on another one that is held. Friction is 0.4.
+fn block(size: [f64; 3]) -> Model {
+    let [x, y, z] = size;
+    scene(&format!(
+        "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+         [[blocks]]\nname = \"top\"\nsize = [{x}, {y}, {z}]\nmaterial = \"stone\"\nmesh = [2, 1, 1]\n\
+         [[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n\
+         [[supports]]\non = \"base.bottom\"\n[[steps]]\nkind = \"gravity\"\n"
+    ))
+}
+
+/// Accuracy of a factor: the tolerance of the programs, much above rounding.
+const EXACT: f64 = 1e-6;
+
+fn near(found: f64, known: f64, tolerance: f64) {
+    assert!((found / known - 1.0).abs() < tolerance, "{found} {known}");
+}
+
+#[test]
+fn a_block_slides_or_tips() {
+    for axis in [0, 1] {
+        // Low: it slides at the friction. High: it tips about its edge at its width over its height.
+        both(&block([200.0, 100.0, 50.0]), along(axis)).map(|found| near(found, 0.4, EXACT));
+        let width = [200.0, 100.0][axis];
+        both(&block([200.0, 100.0, 800.0]), along(axis))
+            .map(|found| near(found, width / 800.0, EXACT));
+    }
+    let found = analyse(&block([200.0, 100.0, 800.0]), &along(0)).unwrap();
+    let top = found
+        .mechanism
+        .iter()
+        .find(|unit| unit.name == "top")
+        .unwrap();
+    // It turns about its lower edge at x = 200: the top corner at x = 0 moves fastest, by 1.
+    let spin = 1.0 / 800f64.hypot(200.0);
+    assert!((top.spin[1] - spin).abs() < 1e-6 * spin, "{top:?}");
+    let base = found
+        .mechanism
+        .iter()
+        .find(|unit| unit.name == "base")
+        .unwrap();
+    assert_eq!((base.velocity, base.spin), ([0.0; 3], [0.0; 3]));
+    // All of the weight stands on that edge.
+    let weight = 2e-9 * 9810.0 * 200.0 * 100.0 * 800.0;
+    near(found.joints[0].normal, weight, EXACT);
+    near(found.joints[0].at_mm[0], 200.0, EXACT);
+}
+
+/// Two blocks on each other: the lower joint tips both, or the upper one slides.
+#[test]
+fn two_blocks_fail_at_their_weaker_joint() {
+    let stack = |upper: f64| {
+        scene(&format!(
+            "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"low\"\nsize = [300, 100, 400]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"high\"\nsize = [{upper}, 100, 400]\nat = [0, 0, 400]\nmaterial = \"stone\"\n\
+             [[contacts]]\ninterface = \"dry\"\n[[supports]]\non = \"base.bottom\"\n[[steps]]\nkind = \"gravity\"\n"
+        ))
+    };
+    // Equal blocks tip as one: 300 over 800.
+    both(&stack(300.0), along(0)).map(|found| near(found, 300.0 / 800.0, EXACT));
+    // A thin upper block tips first: 100 over 400.
+    both(&stack(100.0), along(0)).map(|found| near(found, 100.0 / 400.0, EXACT));
+}
+
+/// A block on a slope of 10°: pushed up it slides at tan(φ + α), pushed down at tan(φ − α).
+#[test]
+fn a_block_slides_up_and_down_a_slope() {
+    let slope = "
+[[blocks]]
+name = \"base\"
+size = [600, 200, 50]
+at = [0, 0, 0]
+rotate = { axis = \"y\", angle = \"-10 deg\" }
+material = \"stone\"
+[[blocks]]
+name = \"top\"
+size = [300, 100, 60]
+at = [89.798366, 50, 66.605206]
+rotate = { axis = \"y\", angle = \"-10 deg\" }
+material = \"stone\"
+[[contacts]]
+slave = \"top.bottom\"
+master = \"base.top\"
+interface = \"dry\"
+[[supports]]
+on = \"base\"
+[[steps]]
+kind = \"gravity\"
+";
+    let model = scene(slope);
+    let angles = [
+        0.4f64.atan() + 10f64.to_radians(),
+        0.4f64.atan() - 10f64.to_radians(),
+    ];
+    both(&model, along(0)).map(|found| near(found, angles[0].tan(), 1e-5));
+    let down = LimitSettings {
+        along: Some([-1.0, 0.0, 0.0]),
+        ..LimitSettings::default()
+    };
+    both(&model, down).map(|found| near(found, angles[1].tan(), 1e-5));
+}
+
+/// Walls of dry blocks on a tilted table, `dry_block_wall_limit_multiplier.csv` beside the decks: linear programs with
+/// associated friction, given to six digits.
+#[test]
+fn dry_walls_have_the_factors_of_linear_programs() {
+    for (wall, known) in [
+        ("wall-04-whole", 0.65),
+        ("wall-06-half", 0.642859),
+        ("wall-08-whole", 0.622299),
+        ("wall-08-half", 0.606961),
+        ("wall-11-whole", 0.577722),
+        ("wall-11-half", 0.56814),
+        ("wall-06-short", 0.65),
+        ("column", 0.380952),
+        ("bricks", 0.721986),
+    ] {
+        let model = read(&format!("docs/validation/06-dry-blocks/{wall}.toml"));
+        let [bound, level] = both(&model, along(0));
+        near(bound, known, 2e-6);
+        // The difference is a few per cent at most in the literature (Ferris and Tin-Loi 2001).
+        assert!(level > 0.95 * bound, "{wall}: {level}");
+    }
+}
+
+/// Arches of flat-faced voussoirs, `arch_flat_faced.csv` beside the decks.
+#[test]
+fn arches_have_the_factors_of_linear_programs() {
+    let tilted = read("docs/validation/05-arches/tilted-27-12.toml");
+    both(&tilted, LimitSettings::default()).map(|found| near(found, 0.048431, 2e-5));
+    for (arch, known) in [
+        ("sideways-27-11", 0.012287),
+        ("sideways-27-15", 0.145338),
+        ("sideways-27-20", 0.284337),
+        ("sideways-07-12", 0.092304),
+        ("sideways-35-20", 0.284723),
+    ] {
+        let model = read(&format!("docs/validation/05-arches/{arch}.toml"));
+        // The loads of these decks act on nodes in equal parts, 0.05 % beside the centroids of the voussoirs.
+        both(&model, LimitSettings::default()).map(|found| near(found, known, 1e-3));
+        both(&model, along(0)).map(|found| near(found, known, 1e-4));
+    }
+    // 1.01 and 0.99 of the least thickness.
+    for voussoirs in ["07", "11", "19", "27", "35"] {
+        let arch = |which| {
+            read(&format!(
+                "docs/validation/05-arches/{which}-{voussoirs}.toml"
+            ))
+        };
+        assert!(analyse(&arch("stands"), &along(0)).unwrap().factor > 0.0);
+        let falls = analyse(&arch("falls"), &along(0)).unwrap_err();
+        assert!(matches!(falls, LimitError::FallsAt(_)), "{falls}");
+    }
+}
+
+/// Driven walls: the force in kN.
+#[test]
+fn a_pier_below_a_beam_rocks_at_its_closed_form() {
+    let model = read("examples/66_rocking_pier.toml");
+    let found: LimitAnalysis = analyse(&model, &LimitSettings::default()).unwrap();
+    // The weight and the jack act at half of the length of 400 mm, below the height of 1.05 m.
+    let weight = 0.2 * 0.4 * 2300.0 * 9.81e-3 + 0.4 * 0.2 * 0.1 * 1.2 * 9.81e-3;
+    near(found.force.unwrap(), (40.0 + weight) * 200.0 / 1050.0, 1e-4);
+    // A couplet in tension carries its strength over its area.
+    let model = read("examples/01_couplet_tension.toml");
+    let bonded = LimitSettings {
+        bonded: true,
+        ..LimitSettings::default()
+    };
+    let pulled = analyse(&model, &bonded).unwrap().force.unwrap();
+    let law = &model.contact.laws[0];
+    let wythe::contact::InterfaceLaw::CohesiveFrictional(law) = law else {
+        panic!("{law:?}");
+    };
+    let joint = &analyse(&model, &bonded).unwrap().joints[0];
+    let corners = joint.corners_mm.iter();
+    let size = |axis: usize| {
+        let x = corners.clone().map(|x| x[axis]);
+        x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min)
+    };
+    near(pulled, 1e-3 * law.f_t * size(0) * size(1), EXACT);
+    assert_eq!(
+        analyse(&model, &LimitSettings::default()).unwrap().force,
+        Some(0.0)
+    );
+}
+
+/// A block under its weight, pushed to tip: the block of stress f_c moves its hinge back by N/(2 f_c b).
+#[test]
+fn crushing_sets_the_hinge_back() {
+    let (size, strength) = ([200.0, 100.0, 800.0], 0.05);
+    let model = block(size);
+    let stress = 2e-9 * 9810.0 * 800.0;
+    let crushed = |strength| {
+        let settings = LimitSettings {
+            strength: Some(strength),
+            ..along(0)
+        };
+        both(&model, settings)
+    };
+    crushed(strength).map(|found| near(found, 0.25 * (1.0 - stress / strength), EXACT));
+    crushed(1e6).map(|found| near(found, 0.25, EXACT));
+    // Below the stress of its weight it is crushed as it stands.
+    let settings = LimitSettings {
+        strength: Some(0.9 * stress),
+        ..along(0)
+    };
+    assert!(matches!(
+        analyse(&model, &settings),
+        Err(LimitError::FallsAt(_))
+    ));
+}
+
+#[test]
+fn what_has_no_factor_says_why() {
+    let settings = LimitSettings::default();
+    let block = block([200.0, 100.0, 50.0]);
+    assert_eq!(
+        analyse(&block, &settings).unwrap_err(),
+        LimitError::NothingLive
+    );
+    // The top of J7D is locked: struts carry any force.
+    let wall = read("examples/03_shear_wall_j7d.toml");
+    assert_eq!(
+        analyse(&wall, &settings).unwrap_err(),
+        LimitError::Unbounded
+    );
+    let crushed = LimitSettings {
+        strength: Some(5.0),
+        ..settings
+    };
+    assert!(analyse(&wall, &associated(crushed)).unwrap().force.unwrap() > 100.0);
+    let quarter = read("examples/65_quarter_wall.toml");
+    assert_eq!(
+        analyse(&quarter, &settings).unwrap_err(),
+        LimitError::Symmetry
+    );
+    for why in [
+        LimitError::NothingLive,
+        LimitError::Unbounded,
+        LimitError::Symmetry,
+    ] {
+        assert!(!why.advice().is_empty());
+    }
+}
