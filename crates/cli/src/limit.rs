@@ -124,7 +124,7 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
     );
     let moving = found.mechanism.iter().filter(|unit| {
         let speed = unit.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-        speed > 1e-3
+        speed > 1e-2
     });
     line("mechanism", format!("{} units move", moving.count()));
     if !found.converged {

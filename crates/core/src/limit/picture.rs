@@ -18,7 +18,7 @@ const MOTION: f64 = 0.06;
 /// Length of the line of the largest force over the size of the scene.
 const FORCE: f64 = 0.12;
 /// Parts of the fastest motion below which a unit counts as still.
-const STILL: f64 = 1e-3;
+const STILL: f64 = 1e-2;
 
 /// SVG text: an elevation along the larger horizontal motion, x or y, with units at rest in grey and moved ones in
 /// orange. Red lines are the forces in the joints, as wide as long, through the point where the normal force acts.

@@ -80,8 +80,14 @@ impl Triplets {
 }
 
 /// Adds the cone N² ≤ f_c A (N − 2 Σ n_v s_v/h): the block of stress f_c that carries N ends at an edge, h is the depth
-/// of the joint towards this edge, and `arms` are the columns of the n_v and 2 s_v/h. `most` is f_c A.
-fn add_crushing(most: f64, arms: &[(usize, f64)], entries: &mut Triplets, right: &mut Vec<f64>) {
+/// of the joint towards this edge, and `arms` are the columns of the n_v and 2 s_v/h. With a tensile strength N is
+/// N + f_t A, and f_c is f_c + f_t: stresses count from −f_t. `most` is (f_c + f_t) A, `tension` f_t A.
+fn add_crushing(
+    [most, tension]: [f64; 2],
+    arms: &[(usize, f64)],
+    entries: &mut Triplets,
+    right: &mut Vec<f64>,
+) {
     let row = right.len();
     for (column, arm) in arms {
         let left = 1.0 - arm;
@@ -89,9 +95,11 @@ fn add_crushing(most: f64, arms: &[(usize, f64)], entries: &mut Triplets, right:
         entries.add(row + 1, *column, -2.0);
         entries.add(row + 2, *column, left);
     }
-    right.extend([most, 0.0, most]);
+    right.extend([most + tension, 2.0 * tension, most - tension]);
 }
 
+/// Factor below which the gap is relative to this one instead.
+const SMALL: f64 = 1e-3;
 /// Factors below this, with live loads as large as the dead ones, are zero.
 const NOISE: f64 = 1e-7;
 
@@ -101,6 +109,8 @@ fn without_noise(factor: f64) -> f64 {
 
 /// Relative gap and residual of the solution.
 const TOLERANCE: f64 = 1e-9;
+/// The same where the solver does not reach it.
+const COARSE: f64 = 1e-6;
 
 impl Program<'_> {
     /// Solves the program.
@@ -108,6 +118,14 @@ impl Program<'_> {
     /// # Errors
     /// [`LimitError`]: no state carries the dead loads, no factor is too large, the solver fails.
     pub fn solve(&self) -> Result<Solution, LimitError> {
+        let strict = self.solve_to(TOLERANCE);
+        match strict {
+            Err(LimitError::Solver(_)) => self.solve_to(COARSE),
+            found => found,
+        }
+    }
+
+    fn solve_to(&self, tolerance: f64) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
         let (matrix, right, cones) = self.matrix(scale);
         let columns = matrix.n;
@@ -116,9 +134,9 @@ impl Program<'_> {
         let settings = DefaultSettingsBuilder::default()
             .verbose(false)
             .max_iter(200)
-            .tol_gap_abs(TOLERANCE)
-            .tol_gap_rel(TOLERANCE)
-            .tol_feas(TOLERANCE)
+            .tol_gap_abs(tolerance)
+            .tol_gap_rel(tolerance)
+            .tol_feas(tolerance)
             .build()
             .map_err(|why| LimitError::Solver(why.to_string()))?;
         let quadratic = CscMatrix::zeros((columns, columns));
@@ -141,17 +159,23 @@ impl Program<'_> {
         let of_corner = |v: usize| [0, 1, 2].map(|i| scale * found.x[1 + 3 * v + i]);
         Ok(Solution {
             factor: without_noise(found.x[0]) * live,
-            gap: (found.x[0] + found.obj_val_dual).abs() / found.x[0].abs().max(NOISE),
+            gap: (found.x[0] + found.obj_val_dual).abs() / found.x[0].abs().max(SMALL),
             forces: (0..self.corners.len()).map(of_corner).collect(),
             mechanism: self.mechanism(&found.z, 1.0 / live),
         })
     }
 
-    /// Size of the forces: the largest force of the dead loads, else 1 N.
+    /// Size of the forces: the sum of the dead loads, or the largest force that a bond or a joint without crushing
+    /// carries; else 1 N.
     fn force_scale(&self) -> f64 {
         let sizes = self.loads[0].iter().map(|wrench| wrench.force.norm());
         let sum = sizes.sum::<f64>();
-        if sum > 0.0 { sum } else { 1.0 }
+        let strengths = self.joints.iter().map(|joint| {
+            let bond = joint.strength.cohesion.max(joint.strength.tension);
+            bond.max(self.strength.unwrap_or(0.0)) * joint.area
+        });
+        let most = strengths.fold(sum, f64::max);
+        if most > 0.0 { most } else { 1.0 }
     }
 
     /// Factor of the live loads for the unknown λ of 1: that which makes them as large as the dead ones.
@@ -243,10 +267,12 @@ impl Program<'_> {
         for joint in self.joints {
             let own = first..first + joint.corners.len();
             first = own.end;
-            let most = strength * joint.area / scale;
+            let tension = joint.strength.tension * joint.area / scale;
+            let most = strength * joint.area / scale + tension;
             for arms in joint.arms() {
                 let arms = own.clone().map(|v| 1 + 3 * v).zip(arms);
-                add_crushing(most, &arms.collect::<Vec<_>>(), entries, right);
+                let arms: Vec<(usize, f64)> = arms.collect();
+                add_crushing([most, tension], &arms, entries, right);
                 cones.push(SecondOrderConeT(3));
             }
         }
