@@ -14,6 +14,7 @@ mod mass;
 mod matrix;
 mod numerical_stiffness;
 pub mod pattern;
+mod small_motion;
 mod solid;
 mod springs;
 mod steered;
@@ -30,6 +31,7 @@ pub use general::{General, Live};
 pub use increment_work::{PARTS, Works};
 pub use mass::Mass;
 pub use pattern::Gather;
+pub use small_motion::PointMotion;
 pub use springs::Springs;
 pub use steered::Steered;
 pub use trial::{
