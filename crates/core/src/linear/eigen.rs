@@ -68,7 +68,9 @@ pub enum EigenError {
     #[error(transparent)]
     Linear(#[from] LinearError),
     /// The residuals did not fall below the tolerance.
-    #[error("the eigenvalues did not converge: a residual of {residual:.1e} is left after {rounds} rounds")]
+    #[error(
+        "the eigenvalues did not converge: a residual of {residual:.1e} is left after {rounds} rounds"
+    )]
     NotConverged {
         /// Largest residual of the wanted pairs.
         residual: f64,
@@ -120,7 +122,10 @@ pub fn lowest(
         let found = search.ritz(&basis, width);
         let next = search.invert(&found.vectors)?;
         let pairs = search.pairs(&found, &next, shift);
-        worst = pairs[..wanted].iter().map(|p| p.residual).fold(0.0, f64::max);
+        worst = pairs[..wanted]
+            .iter()
+            .map(|p| p.residual)
+            .fold(0.0, f64::max);
         if worst <= TOLERANCE {
             return Ok(Lowest {
                 pairs: pairs.into_iter().take(wanted).collect(),

@@ -271,10 +271,11 @@ impl<'a> Vibration<'a> {
         }
         let largest = shape.iter().map(|u| length(*u)).fold(0.0, f64::max);
         // The sign of a shape is free; its largest displacement is positive.
-        let farthest = shape
-            .iter()
-            .flatten()
-            .fold(0.0, |most: f64, u| if u.abs() > most.abs() { *u } else { most });
+        let farthest =
+            shape.iter().flatten().fold(
+                0.0,
+                |most: f64, u| if u.abs() > most.abs() { *u } else { most },
+            );
         let scale = largest.max(f64::MIN_POSITIVE).copysign(farthest);
         shape
             .iter_mut()
@@ -331,9 +332,7 @@ fn damage(model: &Model, frame: &Frame, state: &mut State) {
         let plastic = Vector6::from(frame.plastic_strain[e]);
         let material = &model.materials[usize::from(model.mesh.material[e])].parameters;
         let recovery = match material {
-            MaterialParameters::DamagePlasticity(p) => {
-                [p.tension_recovery, p.compression_recovery]
-            }
+            MaterialParameters::DamagePlasticity(p) => [p.tension_recovery, p.compression_recovery],
             // Defaults of the damage law (docs/theory/damage-plasticity.md).
             _ => [0.0, 1.0],
         };
