@@ -311,14 +311,21 @@ impl FoundModes {
         let shapes = out.join(SHAPES);
         self.write_shapes(&shapes).map_err(failed(&shapes))?;
         let mut written = vec![table, shapes];
-        for (i, mode) in self.found.modes.iter().enumerate() {
+        for i in 0..self.found.modes.len() {
             let path = out.join(format!("mode_{:02}.svg", i + 1));
-            let caption = format!("mode {}, {:.3} Hz", i + 1, mode.frequency);
-            let svg = shape(&self.model.title, &caption, &self.model.mesh, &mode.shape);
-            write_whole(&path, svg.as_bytes()).map_err(failed(&path))?;
+            write_whole(&path, self.picture(i).as_bytes()).map_err(failed(&path))?;
             written.push(path);
         }
         Ok(written)
+    }
+
+    /// Picture of a mode, from 0, as SVG; empty if there is no such mode.
+    pub fn picture(&self, mode: usize) -> String {
+        let Some(of) = self.found.modes.get(mode) else {
+            return String::new();
+        };
+        let caption = format!("mode {}, {:.3} Hz", mode + 1, of.frequency);
+        shape(&self.model.title, &caption, &self.model.mesh, &of.shape)
     }
 
     /// One step a mode: its displacement is the shape, with a largest value of 1 mm; all other fields are zero.
