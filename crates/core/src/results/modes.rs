@@ -330,9 +330,15 @@ impl FoundModes {
 
     /// One step a mode: its displacement is the shape, with a largest value of 1 mm; all other fields are zero.
     fn write_shapes(&self, path: &Path) -> std::io::Result<()> {
-        let mut writer = VtkHdfWriter::create(path, &self.model)?;
+        // Probes and loads have no value in a shape.
+        let model = Model {
+            probes: Vec::new(),
+            loads: Vec::new(),
+            ..self.model.clone()
+        };
+        let mut writer = VtkHdfWriter::create(path, &model)?;
         for (i, mode) in self.found.modes.iter().enumerate() {
-            writer.append(&frame(&self.model, (i + 1) as f64, &mode.shape))?;
+            writer.append(&frame(&model, (i + 1) as f64, &mode.shape))?;
         }
         writer.publish()
     }
@@ -374,6 +380,7 @@ fn frame(model: &Model, time: f64, displacement: &[[f64; 3]]) -> Frame {
                 .map(|of| field(of.name, points))
                 .collect(),
         },
+        probes: vec![0.0; model.columns().len()],
         ..Frame::default()
     }
 }
