@@ -61,6 +61,12 @@ pub enum TestKind {
     /// Load factor of a wall on a tilting table.
     #[serde(rename = "tilting-table")]
     TiltingTable,
+    /// ASTM C1196 and RILEM MDT.D.4: stress of a wall by a flat jack in a slot.
+    #[serde(rename = "flat-jack")]
+    FlatJack,
+    /// ASTM C1197 and RILEM MDT.D.5: modulus of the masonry between two flat jacks.
+    #[serde(rename = "flat-jack-double")]
+    FlatJackDouble,
 }
 
 impl DeckTest {
@@ -86,6 +92,7 @@ impl DeckTest {
             Kind::CoupletTension => &["length", "thickness"],
             Kind::ShearCompression => &["length", "thickness", "height", "pressure"],
             Kind::TiltingTable => &["length", "thickness", "height", "angle"],
+            Kind::FlatJack | Kind::FlatJackDouble => &["pressure"],
         };
         let missing = has
             .into_iter()
@@ -100,6 +107,7 @@ impl DeckTest {
             TestKind::Diagonal => &["vertical", "horizontal"],
             TestKind::Triplet => &["slip"],
             TestKind::DirectShear => &["uplift"],
+            TestKind::FlatJack | TestKind::FlatJackDouble => &["left", "middle", "right"],
             _ => &[],
         }
     }
