@@ -283,7 +283,7 @@ fn damaged_solids_vibrate_with_their_secant_stiffness() {
 }
 
 #[test]
-fn all_modes_together_have_the_moving_mass_and_are_orthogonal() {
+fn all_modes_together_have_the_moving_mass() {
     let mut model = cantilever([120.0, 100.0, 300.0], [2, 1, 3]);
     // Any shape: no symmetry, no equal frequencies.
     for (i, node) in model.mesh.nodes.iter_mut().enumerate() {
