@@ -205,6 +205,37 @@ fn a_flat_jack_gives_the_stress_of_the_wall_back() {
     );
 }
 
+/// A unit pushed in place slides on both of its beds.
+#[test]
+fn a_unit_pushed_in_place_slides_on_its_beds() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["--precompression", "0.1, 0.6 MPa"];
+    let found = evaluated(folder.path(), "astm-c1531", &options, &[]);
+    no_notes(&found);
+    // The room for the jack and the free head joint carry nothing: at most all of their share comes to the unit, whose
+    // stress is then (250 + 125 + 10)/250 = 1.54 times that of the wall.
+    for (run, pressure) in [0.1, 0.6].into_iter().enumerate() {
+        let most = C + TAN_PHI * 1.54 * pressure;
+        between(
+            of_run(&found, run, "f_v"),
+            0.8 * (C + TAN_PHI * pressure),
+            most,
+        );
+        between(
+            of_run(&found, run, "f_vr"),
+            TAN_PHI * pressure,
+            TAN_PHI * 1.54 * pressure,
+        );
+    }
+    // Shear is uneven along the beds, as of triplets.
+    between(value(&found, "/together", "f_v0"), 0.75 * C, C);
+    between(
+        value(&found, "/together", "tan_phi_r"),
+        TAN_PHI,
+        1.54 * TAN_PHI,
+    );
+}
+
 /// Two jacks press a strip as long as the slots; the stress spreads between them, at most at 45 degrees.
 #[test]
 fn two_flat_jacks_give_the_modulus_of_the_masonry_between_them() {

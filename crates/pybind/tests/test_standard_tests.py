@@ -26,6 +26,7 @@ FUNCTIONS: list[wythe.tests.Maker] = [
     wythe.tests.tilting_table,
     wythe.tests.flat_jack,
     wythe.tests.flat_jack_double,
+    wythe.tests.astm_c1531,
 ]
 
 

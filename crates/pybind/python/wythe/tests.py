@@ -40,6 +40,7 @@ __all__ = [
     "Maker",
     "Test",
     "TestValue",
+    "astm_c1531",
     "astm_e519",
     "couplet_tension",
     "direct_shear",
@@ -308,3 +309,4 @@ out_of_plane_four_point: Maker = _named("out-of-plane-four-point", _ABOUT["out-o
 tilting_table: Maker = _named("tilting-table", _ABOUT["tilting-table"])
 flat_jack: Maker = _named("flat-jack", _ABOUT["flat-jack"])
 flat_jack_double: Maker = _named("flat-jack-double", _ABOUT["flat-jack-double"])
+astm_c1531: Maker = _named("astm-c1531", _ABOUT["astm-c1531"])

@@ -67,6 +67,9 @@ pub enum TestKind {
     /// ASTM C1197 and RILEM MDT.D.5: modulus of the masonry between two flat jacks.
     #[serde(rename = "flat-jack-double")]
     FlatJackDouble,
+    /// ASTM C1531: shear strength of the beds of a unit pushed in place.
+    #[serde(rename = "astm-c1531")]
+    PushedUnit,
 }
 
 impl DeckTest {
@@ -87,7 +90,9 @@ impl DeckTest {
                 &["length", "thickness", "height"]
             }
             Kind::Flexure => &["length", "thickness", "spans"],
-            Kind::Triplet | Kind::DirectShear => &["length", "thickness", "pressure"],
+            Kind::Triplet | Kind::DirectShear | Kind::PushedUnit => {
+                &["length", "thickness", "pressure"]
+            }
             Kind::BondWrench => &["length", "thickness", "lever"],
             Kind::CoupletTension => &["length", "thickness"],
             Kind::ShearCompression => &["length", "thickness", "height", "pressure"],
@@ -105,7 +110,7 @@ impl DeckTest {
         match self.kind {
             TestKind::Compression => &["front", "back"],
             TestKind::Diagonal => &["vertical", "horizontal"],
-            TestKind::Triplet => &["slip"],
+            TestKind::Triplet | TestKind::PushedUnit => &["slip"],
             TestKind::DirectShear => &["uplift"],
             TestKind::FlatJack | TestKind::FlatJackDouble => &["left", "middle", "right"],
             _ => &[],

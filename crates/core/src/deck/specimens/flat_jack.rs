@@ -106,7 +106,7 @@ fn about(kind: &str, slots: bool, pressure: f64) -> (String, String) {
 }
 
 /// The bond of beds and skins to the mortar that they are a part of.
-const FASTENED: &str = r#"
+pub(super) const FASTENED: &str = r#"
 [interfaces.fastened] # mortar on mortar: strong
 f_t = "100 MPa"
 c = "200 MPa"
@@ -143,7 +143,7 @@ fn text(specimen: &Specimen, kind: &str, pressure: f64, parts: &Parts) -> String
 }
 
 /// Length of the wall [mm].
-fn length(specimen: &Specimen) -> f64 {
+pub(super) fn length(specimen: &Specimen) -> f64 {
     UNITS * (specimen.unit[0] + specimen.joint) - specimen.joint
 }
 
@@ -200,6 +200,13 @@ impl Bed {
             low,
         } = *self;
         let ([from, to], joint) = (slot(specimen), specimen.joint);
+        let layer = |name, ends, heights| Body {
+            name,
+            material: &specimen.materials.mortar,
+            ends,
+            heights,
+            elements: [0.0, 1.0],
+        };
         let mut pieces = vec![("left", 0.0, from), ("right", to, length(specimen))];
         if !slots {
             pieces.insert(1, ("middle", from, to));
@@ -207,14 +214,7 @@ impl Bed {
         text.push_str("\n# Mortar of the bed between the parts of the wall.\n");
         for (name, from, to) in pieces {
             let name = format!("bed-{index}-{name}");
-            let body = Body {
-                name: &name,
-                from,
-                to,
-                low,
-                high: low + joint,
-            };
-            body.write(text, specimen);
+            layer(&name, [from, to], [low, low + joint]).write(text, specimen);
             contact(
                 text,
                 &format!("{name}.bottom"),
@@ -246,45 +246,46 @@ impl Bed {
         ];
         for (name, low, high, face, on) in skins {
             let name = format!("jack-{index}-{name}");
-            let body = Body {
-                name: &name,
-                from,
-                to,
-                low,
-                high,
-            };
-            body.write(text, specimen);
+            layer(&name, [from, to], [low, high]).write(text, specimen);
             contact(text, &format!("{name}.{face}"), &on, "fastened");
         }
     }
 }
 
-/// A layer of mortar through the wall.
-struct Body<'a> {
-    name: &'a str,
-    from: f64,
-    to: f64,
-    low: f64,
-    high: f64,
+/// A block through the wall.
+pub(super) struct Body<'a> {
+    pub name: &'a str,
+    pub material: &'a str,
+    /// Ends along the wall [mm].
+    pub ends: [f64; 2],
+    /// Lower and upper face [mm].
+    pub heights: [f64; 2],
+    /// Elements along and up; 0 along: as long as those of the wall.
+    pub elements: [f64; 2],
 }
 
 impl Body<'_> {
-    fn write(&self, text: &mut String, specimen: &Specimen) {
+    pub(super) fn write(&self, text: &mut String, specimen: &Specimen) {
+        let ([from, to], [low, high]) = (self.ends, self.heights);
         let element = (specimen.unit[0] + specimen.joint) / ALONG;
-        let along = ((self.to - self.from) / element).round().max(1.0);
-        let size = [self.to - self.from, specimen.unit[1], self.high - self.low];
+        let along = match self.elements[0] {
+            0.0 => ((to - from) / element).round().max(1.0),
+            along => along,
+        };
+        let size = [to - from, specimen.unit[1], high - low];
         let _ = write!(
             text,
-            "[[blocks]]\nname = \"{}\"\nsize = {}\nat = {}\nmaterial = \"{}\"\nmesh = [{along}, 2, 1]\n\n",
+            "[[blocks]]\nname = \"{}\"\nsize = {}\nat = {}\nmaterial = \"{}\"\nmesh = [{along}, 2, {}]\n\n",
             self.name,
             point(size),
-            point([self.from, 0.0, self.low]),
-            specimen.materials.mortar
+            point([from, 0.0, low]),
+            self.material,
+            self.elements[1]
         );
     }
 }
 
-fn contact(text: &mut String, slave: &str, master: &str, interface: &str) {
+pub(super) fn contact(text: &mut String, slave: &str, master: &str, interface: &str) {
     let _ = write!(
         text,
         "[[contacts]]\nslave = \"{slave}\"\nmaster = \"{master}\"\ninterface = \"{interface}\"\n\n"

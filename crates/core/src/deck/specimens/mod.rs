@@ -10,6 +10,7 @@ mod joints;
 mod materials;
 mod options;
 mod out_of_plane;
+mod pushed_unit;
 mod text;
 mod tilting;
 mod walls;
@@ -69,7 +70,7 @@ impl SpecimenDeck {
 const EN1052_3: &[f64] = &[0.2, 0.6, 1.0];
 
 /// All tests.
-pub const TESTS: [StandardTest; 17] = [
+pub const TESTS: [StandardTest; 18] = [
     StandardTest {
         name: "en1052-1",
         kind: TestKind::Compression,
@@ -188,6 +189,13 @@ pub const TESTS: [StandardTest; 17] = [
         about: "two slots whose jacks press the masonry between them: modulus (ASTM C1197)",
         write: flat_jack::double,
         pressures: &[0.5],
+    },
+    StandardTest {
+        name: "astm-c1531",
+        kind: TestKind::PushedUnit,
+        about: "a unit of a wall, freed at both ends, pushed along its beds under three stresses (ASTM C1531)",
+        write: pushed_unit::pushed,
+        pressures: &[0.1, 0.3, 0.6],
     },
 ];
 

@@ -19,7 +19,7 @@ pub(super) fn values(run: &TestRun) -> Values {
     match run.test.kind {
         TestKind::Compression => compression(run),
         TestKind::Flexure => flexure(run),
-        TestKind::Triplet => triplet(run),
+        TestKind::Triplet | TestKind::PushedUnit => triplet(run),
         TestKind::BondWrench => wrench(run),
         TestKind::CoupletTension => tension(run),
         TestKind::DirectShear => direct_shear(run),
@@ -41,6 +41,7 @@ pub(super) fn together(
     let names = match runs[0].test.kind {
         TestKind::Triplet => ["f_v0", "f_vk0", "tan_alpha", "tan_alpha_k", "tan_phi_r"],
         TestKind::DirectShear => ["c", "", "tan_phi", "", "tan_phi_r"],
+        TestKind::PushedUnit => ["f_v0", "", "tan_alpha", "", "tan_phi_r"],
         TestKind::FlatJack => return flat_jack::together(runs, notes),
         _ => return Vec::new(),
     };
