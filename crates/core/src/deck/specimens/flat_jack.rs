@@ -200,13 +200,6 @@ impl Bed {
             low,
         } = *self;
         let ([from, to], joint) = (slot(specimen), specimen.joint);
-        let layer = |name, ends, heights| Body {
-            name,
-            material: &specimen.materials.mortar,
-            ends,
-            heights,
-            elements: [0.0, 1.0],
-        };
         let mut pieces = vec![("left", 0.0, from), ("right", to, length(specimen))];
         if !slots {
             pieces.insert(1, ("middle", from, to));
@@ -214,7 +207,7 @@ impl Bed {
         text.push_str("\n# Mortar of the bed between the parts of the wall.\n");
         for (name, from, to) in pieces {
             let name = format!("bed-{index}-{name}");
-            layer(&name, [from, to], [low, low + joint]).write(text, specimen);
+            layer(specimen, &name, [from, to], [low, low + joint]).write(text, specimen);
             contact(
                 text,
                 &format!("{name}.bottom"),
@@ -246,9 +239,20 @@ impl Bed {
         ];
         for (name, low, high, face, on) in skins {
             let name = format!("jack-{index}-{name}");
-            layer(&name, [from, to], [low, high]).write(text, specimen);
+            layer(specimen, &name, [from, to], [low, high]).write(text, specimen);
             contact(text, &format!("{name}.{face}"), &on, "fastened");
         }
+    }
+}
+
+/// A layer of mortar.
+fn layer<'a>(specimen: &'a Specimen, name: &'a str, ends: [f64; 2], heights: [f64; 2]) -> Body<'a> {
+    Body {
+        name,
+        material: &specimen.materials.mortar,
+        ends,
+        heights,
+        elements: [0.0, 1.0],
     }
 }
 

@@ -20,6 +20,7 @@ pub(super) fn pushed(specimen: &Specimen) -> Vec<SpecimenDeck> {
     SpecimenDeck::for_each_pressure(specimen, |pressure| text(specimen, pressure))
 }
 
+#[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 fn text(specimen: &Specimen, pressure: f64) -> String {
     let p = mm(pressure);
     let [unit, thickness, height] = specimen.unit;
@@ -105,6 +106,10 @@ free = ["z"]
 }
 
 /// The course of the unit between its beds. The mortar of the beds is fastened to the walls; the units slide on it.
+#[expect(
+    clippy::too_many_lines,
+    reason = "most lines are the lists of bodies and contacts"
+)]
 fn course(text: &mut String, specimen: &Specimen, low: f64) {
     let ([unit, _, height], joint) = (specimen.unit, specimen.joint);
     let from = 0.5 * (length(specimen) - unit);

@@ -103,23 +103,9 @@ pub(super) fn together(runs: &[TestRun], notes: &mut Vec<String>) -> Vec<TestVal
         notes.push("the walls without and with the slot have different stresses".to_owned());
         return Vec::new();
     }
-    let mut found = Vec::new();
-    for (gauge, name) in GAUGES.iter().enumerate() {
-        let target = whole
-            .column(name)
-            .ok()
-            .and_then(|column| column.last().copied());
-        let readings = Readings::of(slot).ok();
-        let at = target.zip(readings);
-        let at = at.and_then(|(target, readings)| readings.pressure_at(gauge, target));
-        let Some(at) = at else {
-            notes.push(format!(
-                "the jack does not bring the gauge {name} back: pump it further"
-            ));
-            return Vec::new();
-        };
-        found.push(at);
-    }
+    let Some(found) = returning(whole, slot, notes) else {
+        return Vec::new();
+    };
     let mean = found.iter().sum::<f64>() / found.len() as f64;
     let mut values = vec![
         TestValue::new(
@@ -156,6 +142,23 @@ pub(super) fn together(runs: &[TestRun], notes: &mut Vec<String>) -> Vec<TestVal
         ));
     }
     values
+}
+
+/// Pressure at which each gauge is as long in the wall with the slot as in the whole one [MPa]; none if one is not.
+fn returning(whole: &TestRun, slot: &TestRun, notes: &mut Vec<String>) -> Option<Vec<f64>> {
+    let readings = Readings::of(slot).ok()?;
+    let mut found = Vec::new();
+    for (gauge, name) in GAUGES.iter().enumerate() {
+        let target = whole.column(name).ok()?.last().copied()?;
+        let Some(at) = readings.pressure_at(gauge, target) else {
+            notes.push(format!(
+                "the jack does not bring the gauge {name} back: pump it further"
+            ));
+            return None;
+        };
+        found.push(at);
+    }
+    Some(found)
 }
 
 /// Values of one run of the test with two slots.
