@@ -55,8 +55,8 @@ Examples:
 
 pub(super) const MODES_HELP: &str = "\
 Of a model: at rest without preload, elastic, joints that touch closed with their elastic stiffness. Of a folder of \
-results: the secant stiffness at a frame, with damage and open joints. Supports hold; beams move as in the first \
-step, or in that of the frame. Every material that can move needs a density.
+results: the secant stiffness at a frame, with damage and open joints. Supports hold; beams and driven faces \
+are held or free as in the first step, also at a frame of a later one. Every material that can move needs a density.
 
 The folder then holds:
   modes.json     frequency, period, participation factors, effective masses in x, y, z

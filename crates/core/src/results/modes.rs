@@ -143,7 +143,7 @@ impl FoundModes {
         })
     }
 
-    /// The `count` lowest modes at a frame of a run.
+    /// The `count` lowest modes at a frame of a run, with beams and driven faces as in the first step.
     ///
     /// # Errors
     /// [`ModesError`].
@@ -158,7 +158,8 @@ impl FoundModes {
         let snapshot = Snapshots::open(&folder)?.at(choice)?;
         let about = About::Frame {
             frame: &snapshot.frame,
-            step: snapshot.row.as_ref().map_or(0, |row| row.step),
+            // As at rest, so that frequencies compare: what a later step drives is let go.
+            step: 0,
         };
         let found = modes(&model, about, count)?;
         Ok(Self {

@@ -379,7 +379,7 @@ class Results:
         count
             Number of modes.
         frame
-            The frame. Beams move as in its step.
+            The frame. Beams and driven faces are held or free as in the first step.
 
         Raises
         ------
