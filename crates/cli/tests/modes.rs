@@ -42,7 +42,7 @@ kind = "gravity"
 kind = "drive"
 face = "pier-2.top"
 direction = "x"
-displacement = "1 mm"
+displacement = "0.2 mm"
 free = ["z"]
 [output]
 every = 1
@@ -107,13 +107,14 @@ fn a_cracked_pier_vibrates_more_slowly_than_a_whole_one() {
 fn what_cannot_vibrate_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let deck = written(folder.path(), "pier.toml");
+    // Without mass and weight.
+    let light = PIER.replace("density = \"2000 kg/m^3\"\n", "");
+    let light = light.replacen("[[steps]]\nkind = \"gravity\"\n", "", 1);
+    let path = folder.path().join("light.toml").display().to_string();
+    std::fs::write(&path, light).unwrap();
     for (arguments, exit, words) in [
         (vec![&deck[..], "--frame", "last"], 2, "is a model"),
-        (
-            vec![&deck[..], "--set", "materials.stone.density=0"],
-            2,
-            "give a density to stone",
-        ),
+        (vec![&path[..]], 2, "give a density to stone"),
         (vec!["nowhere.toml"], 4, "nowhere.toml"),
         (
             vec![folder.path().to_str().unwrap()],

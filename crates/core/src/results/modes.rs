@@ -220,15 +220,15 @@ impl FoundModes {
         let (found, mut notes) = (&self.found, Vec::new());
         if found.free > 0 {
             notes.push(format!(
-                "{} of these modes are free motions, with frequency 0: nothing holds a body, or all its joints are \
-                 open; ask for more modes with --count",
+                "free motions, with frequency 0: {}; nothing holds a body, or all its joints are open: ask for more \
+                 modes with --count",
                 found.free
             ));
         }
         if found.unstable > 0 {
             notes.push(format!(
-                "{} of these modes have a negative square of the frequency: the state is unstable under its own \
-                 stresses, and is held by the drive alone",
+                "modes with a negative square of the frequency: {}; under its own stresses the state is unstable, the \
+                 drive alone held it",
                 found.unstable
             ));
         }
