@@ -92,7 +92,7 @@ pub fn lowest(
     mass: &[f64],
     wanted: usize,
 ) -> Result<Lowest, EigenError> {
-    if let Some(equation) = mass.iter().position(|m| !(*m > 0.0)) {
+    if let Some(equation) = mass.iter().position(|m| m.is_nan() || *m <= 0.0) {
         return Err(EigenError::NoMass { equation });
     }
     let n = mass.len();
@@ -241,7 +241,9 @@ impl Search<'_> {
         }
         let left = self.product(&x, &x).sqrt();
         if left > INDEPENDENT * before && left > 0.0 {
-            x.iter_mut().for_each(|x| *x /= left);
+            for x in &mut x {
+                *x /= left;
+            }
             basis.push(x);
         }
     }
@@ -307,7 +309,9 @@ impl Search<'_> {
         let mut vectors: Vec<Vec<f64>> = vectors.collect();
         for x in &mut vectors {
             let size = self.product(x, x).sqrt();
-            x.iter_mut().for_each(|x| *x /= size);
+            for x in x.iter_mut() {
+                *x /= size;
+            }
         }
         Ritz {
             values: order.iter().map(|&c| solved.eigenvalues[c]).collect(),

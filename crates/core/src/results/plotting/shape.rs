@@ -142,7 +142,7 @@ fn path(face: &Face, place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
 
 fn colour(size: f64) -> String {
     let at = 2.0 * size.clamp(0.0, 1.0);
-    let first = if at < 1.0 { 0 } else { 1 };
+    let first = usize::from(at >= 1.0);
     let part = at - first as f64;
     let mix = |i: usize| COLOURS[first][i] + part * (COLOURS[first + 1][i] - COLOURS[first][i]);
     format!("rgb({:.0},{:.0},{:.0})", mix(0), mix(1), mix(2))
