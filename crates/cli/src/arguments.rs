@@ -10,8 +10,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wythe_core::deck::{specimens, templates};
 
-use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
-pub use results::{Compare, Evaluate, Export, Format, Frames, Info, Plot};
+use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, MODES_HELP, PLOT_HELP};
+pub use results::{Compare, Evaluate, Export, Format, Frames, Info, Modes, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 
 /// Computes the collapse of masonry walls by the detailed micro-model.
@@ -232,6 +232,9 @@ pub enum Command {
     /// Write a run, or a model, in the format of another program.
     #[command(after_help = EXPORT_HELP)]
     Export(Export),
+    /// Find natural frequencies, modal masses and mode shapes of a model, or of the damaged wall of a run.
+    #[command(after_help = MODES_HELP)]
+    Modes(Modes),
     /// Run many models, evaluate them and report them on one page.
     #[command(subcommand, after_help = STUDY_HELP)]
     Study(Study),

@@ -14,6 +14,7 @@ mod findings;
 mod info;
 mod interrupt;
 mod limit;
+mod modes;
 mod new;
 mod plot;
 mod report;
@@ -115,6 +116,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Evaluate(arguments) => evaluate::evaluate(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Export(arguments) => export::export(arguments),
+        Command::Modes(arguments) => modes::modes(arguments),
         Command::Study(arguments) => study::command::study(arguments, program),
         Command::Completions(arguments) => shell::completions(arguments),
         Command::Man(arguments) => shell::man(arguments),

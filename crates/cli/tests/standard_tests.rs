@@ -184,6 +184,74 @@ fn a_wallette_is_as_strong_as_between_mortar_and_unit() {
     between(of_run(&found, 0, "E"), 0.7 * 3455.0, 3455.0);
 }
 
+/// The traction that a cut takes away is that which the jack gives back, if the wall is elastic and the traction even.
+#[test]
+fn a_flat_jack_gives_the_stress_of_the_wall_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "flat-jack", &[], &[]);
+    no_notes(&found);
+    assert_eq!(found["runs"][1]["run"], "specimen-slot");
+    // Units are stiffer than head joints, so that the stress across the bed is uneven by some per cent.
+    for name in ["f_m", "f_m_left", "f_m_middle", "f_m_right"] {
+        between(value(&found, "/together", name), 0.95 * 0.5, 1.05 * 0.5);
+    }
+    // The slot closes under the stress: more than the masonry there shortens, at most as a crack of its length in an
+    // elastic plate of E = 3,455 MPa: 2 s l / E in its middle (Inglis), beside what the masonry shortens.
+    let [whole, slot] = [0, 1].map(|run| of_run(&found, run, "gauges"));
+    between(
+        slot - whole,
+        -2.0 * 0.5 * 390.0 / (0.7 * 3455.0),
+        -0.25 * 0.5 * 390.0 / 3455.0,
+    );
+}
+
+/// A unit pushed in place slides on both of its beds.
+#[test]
+fn a_unit_pushed_in_place_slides_on_its_beds() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["--precompression", "0.1, 0.6 MPa"];
+    let found = evaluated(folder.path(), "astm-c1531", &options, &[]);
+    no_notes(&found);
+    // The room for the jack and the free head joint carry nothing: at most all of their share comes to the unit, whose
+    // stress is then (250 + 125 + 10)/250 = 1.54 times that of the wall.
+    for (run, pressure) in [0.1, 0.6].into_iter().enumerate() {
+        let most = C + TAN_PHI * 1.54 * pressure;
+        between(
+            of_run(&found, run, "f_v"),
+            0.8 * (C + TAN_PHI * pressure),
+            most,
+        );
+        between(
+            of_run(&found, run, "f_vr"),
+            TAN_PHI * pressure,
+            TAN_PHI * 1.54 * pressure,
+        );
+    }
+    // Shear is uneven along the beds, as of triplets.
+    between(value(&found, "/together", "f_v0"), 0.75 * C, C);
+    between(
+        value(&found, "/together", "tan_phi_r"),
+        TAN_PHI,
+        1.54 * TAN_PHI,
+    );
+}
+
+/// Two jacks press a strip as long as the slots; the stress spreads between them, at most at 45 degrees.
+#[test]
+fn two_flat_jacks_give_the_modulus_of_the_masonry_between_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = evaluated(folder.path(), "flat-jack-double", &[], &[]);
+    no_notes(&found);
+    // Units and beds in series, 3,455 MPa (see the wallette), head joints softer; a strip of 390 mm that becomes
+    // 390 + 315 mm wide in the middle would look 1.81 times as stiff.
+    between(of_run(&found, 0, "E"), 0.7 * 3455.0, 1.81 * 3455.0);
+    between(
+        of_run(&found, 0, "E_middle"),
+        0.7 * 3455.0,
+        of_run(&found, 0, "E"),
+    );
+}
+
 /// N = p t L on a wall as high as H: a rigid block carries N L/H with its top level, half of it if that may turn.
 #[test]
 fn walls_in_shear_carry_no_more_than_a_rigid_block() {

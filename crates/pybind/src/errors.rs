@@ -10,7 +10,7 @@ use pyo3::sync::PyOnceLock;
 use wythe_core::error::{DeckError, ErrorKind, IoError, ModelError};
 use wythe_core::limit::LimitError;
 use wythe_core::results::mcap::salvage::SalvageError;
-use wythe_core::results::{ExperimentError, OutputError, ReadError, ResumeError};
+use wythe_core::results::{ExperimentError, ModesError, OutputError, ReadError, ResumeError};
 use wythe_core::solve::RunError;
 
 /// Creates an exception of `wythe._errors`.
@@ -216,6 +216,16 @@ pub fn of_resuming(py: Python<'_>, error: &ResumeError) -> PyErr {
         ResumeError::Read(error) => of_reading(py, error),
         ResumeError::Changed { .. } | ResumeError::OtherModel { .. } => wrong(py, error),
         error => output(py, error, None),
+    }
+}
+
+/// Exception for an error of a search for modes.
+pub fn of_modes(py: Python<'_>, error: &ModesError) -> PyErr {
+    match error {
+        ModesError::Read(error) => of_reading(py, error),
+        ModesError::Deck(error) => of_deck(py, error),
+        error @ ModesError::NoDeck(_) => output(py, error, None),
+        error @ ModesError::Vibration(_) => wrong(py, error),
     }
 }
 

@@ -16,6 +16,7 @@ mod fields;
 mod folder;
 mod laws;
 mod model;
+mod modes;
 mod point;
 mod run;
 mod tests;
@@ -36,6 +37,8 @@ mod _wythe {
     use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};
     #[pymodule_export]
     use crate::model::Deck;
+    #[pymodule_export]
+    use crate::modes::{FoundShapes, modes_of_run};
     #[pymodule_export]
     use crate::point::{drive_interface, drive_material};
     #[pymodule_export]

@@ -6,15 +6,17 @@ use std::sync::{Arc, OnceLock};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use wythe_core::deck::{self, Deck as CoreDeck};
-use wythe_core::error::{ModelError, Warning};
+use wythe_core::error::{DeckError, ModelError, Warning};
 use wythe_core::limit::{LimitSettings, analyse, picture};
 use wythe_core::model::Model;
+use wythe_core::results::FoundModes;
 use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::export::inp;
 use wythe_core::results::output::{CHECKPOINT, DECK};
 use wythe_core::results::plotting::scene;
 
 use crate::errors::{self, Text};
+use crate::modes::FoundShapes;
 
 /// Title of a model without one.
 const UNTITLED: &str = "model";
@@ -226,6 +228,16 @@ impl Deck {
             text.map_err(|error| errors::bug(&format!("limit analysis as JSON: {error}")))?,
             svg,
         ))
+    }
+
+    /// The lowest modes at rest.
+    fn modes(&self, py: Python<'_>, count: usize) -> PyResult<FoundShapes> {
+        let built = self.sound(py)?;
+        let found = py.detach(|| match &*built {
+            Ok((model, _)) => FoundModes::of_model(model.clone(), count),
+            Err(error) => Err(DeckError::from(error.clone()).into()),
+        });
+        FoundShapes::of(py, found)
     }
 
     /// The model in the format of Abaqus.

@@ -24,6 +24,9 @@ FUNCTIONS: list[wythe.tests.Maker] = [
     wythe.tests.out_of_plane_two_way,
     wythe.tests.out_of_plane_four_point,
     wythe.tests.tilting_table,
+    wythe.tests.flat_jack,
+    wythe.tests.flat_jack_double,
+    wythe.tests.astm_c1531,
 ]
 
 

@@ -1,4 +1,5 @@
 //! Tests of the module `linear`.
 
+mod eigen;
 mod elimination;
 mod factors;

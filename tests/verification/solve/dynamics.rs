@@ -356,6 +356,34 @@ fn keys_of_inertia_reach_the_model() {
 }
 
 #[test]
+fn a_damping_ratio_at_two_frequencies_gives_both_factors() {
+    let damping = Rayleigh::at(0.05, [8.0, 40.0]);
+    for frequency in [8.0, 40.0] {
+        // Rounding.
+        assert!((damping.ratio(frequency) - 0.05).abs() < 1e-15);
+    }
+    // 2ζ √(f₁f₂)/(f₁+f₂) at √(f₁f₂), where it is least.
+    let middle = 320.0_f64.sqrt();
+    assert!((damping.ratio(middle) - 0.1 * middle / 48.0).abs() < 1e-15);
+    assert!(damping.ratio(20.0) < 0.05 && damping.ratio(4.0) > 0.05 && damping.ratio(80.0) > 0.05);
+    let by_ratio = "{ ratio = \"5 %\", frequencies = [\"8 Hz\", \"2400 min^-1\"] }";
+    let keys = [
+        ("steps.1.procedure", "dynamic"),
+        ("steps.1.alpha", "-0.1"),
+        ("steps.1.rayleigh", by_ratio),
+    ];
+    let Procedure::Dynamic { damping: read, .. } = wall_with(&keys).unwrap().steps[1].procedure
+    else {
+        panic!("the step is not dynamic");
+    };
+    assert!((read.mass / damping.mass - 1.0).abs() < 1e-14, "{read:?}");
+    assert!(
+        (read.stiffness / damping.stiffness - 1.0).abs() < 1e-14,
+        "{read:?}"
+    );
+}
+
+#[test]
 fn keys_of_inertia_are_checked() {
     let dynamic = ("steps.1.procedure", "dynamic");
     for (overrides, key) in [
@@ -365,6 +393,34 @@ fn keys_of_inertia_are_checked() {
         (
             vec![dynamic, ("steps.1.rayleigh", "{ mass = -1 }")],
             "steps.1.rayleigh.mass",
+        ),
+        (
+            vec![dynamic, ("steps.1.rayleigh", "{ ratio = 0.05 }")],
+            "steps.1.rayleigh",
+        ),
+        (
+            vec![
+                dynamic,
+                (
+                    "steps.1.rayleigh",
+                    "{ ratio = 0.05, frequencies = [8, 40], mass = 1 }",
+                ),
+            ],
+            "steps.1.rayleigh",
+        ),
+        (
+            vec![
+                dynamic,
+                ("steps.1.rayleigh", "{ ratio = 1.5, frequencies = [8, 40] }"),
+            ],
+            "steps.1.rayleigh.ratio",
+        ),
+        (
+            vec![
+                dynamic,
+                ("steps.1.rayleigh", "{ ratio = 0.1, frequencies = [0, 40] }"),
+            ],
+            "steps.1.rayleigh.frequencies",
         ),
         (
             vec![dynamic, ("steps.1.ground", "{ x = \"missing.csv\" }")],

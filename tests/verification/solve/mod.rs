@@ -12,3 +12,4 @@ mod relaxation;
 mod resume;
 mod stiff_scenes;
 mod tolerance;
+mod vibration;

@@ -1,5 +1,6 @@
 //! Command-line arguments of the commands that read results.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -51,6 +52,21 @@ Examples:
   wythe info wall.out --drifts '0.3 %, 0.6 %'
   wythe info wall.out/results.vtkhdf
   wythe info examples/03_shear_wall_j7d.toml";
+
+pub(super) const MODES_HELP: &str = "\
+Of a model: at rest without preload, elastic, joints that touch closed with their elastic stiffness. Of a folder of \
+results: the secant stiffness at a frame, with damage and open joints. Supports hold; beams and driven faces \
+are held or free as in the first step, also at a frame of a later one. Every material that can move needs a density.
+
+The folder then holds:
+  modes.json     frequency, period, participation factors, effective masses in x, y, z
+  modes.vtkhdf   the shapes, one step a mode (its time is the number of the mode), for ParaView
+  mode_NN.svg    a picture of each shape
+
+Examples:
+  wythe modes wall.toml
+  wythe modes wall.out --frame peak --count 6
+  wythe modes wall.toml --json | jq '.modes[].frequency_Hz'";
 
 pub(super) const EXPORT_HELP: &str = "\
   vtu  frame_N.vtu and frame_N_interfaces.vtu for any VTK; of all frames with a series.pvd
@@ -154,6 +170,28 @@ fn positive(text: &str) -> Result<f64, String> {
     let number: Option<f64> = text.parse().ok();
     let number = number.filter(|number| *number > 0.0 && number.is_finite());
     number.ok_or_else(|| format!("`{text}` is no number above 0"))
+}
+
+/// `wythe modes`
+#[derive(Debug, Args)]
+pub struct Modes {
+    /// A model, a TOML file, or the folder of a run.
+    #[arg(value_name = "MODEL.toml|DIR")]
+    pub path: PathBuf,
+    /// Number of modes, the lowest first.
+    #[arg(long, value_name = "N", default_value = "10")]
+    pub count: NonZeroUsize,
+    /// Frame of the run: its number from 0, peak, or last [default: last].
+    #[arg(long, value_name = "FRAME")]
+    pub frame: Option<FrameChoice>,
+    /// Folder for the files [default: MODEL.modes, DIR/modes].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub with: ModelArguments,
 }
 
 /// `wythe export`

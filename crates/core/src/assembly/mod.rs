@@ -15,6 +15,7 @@ mod matrix;
 mod numerical_stiffness;
 pub mod pattern;
 mod sections;
+mod small_motion;
 mod solid;
 mod springs;
 mod steered;
@@ -32,6 +33,7 @@ pub use increment_work::{PARTS, Works};
 pub use mass::Mass;
 pub use pattern::Gather;
 pub use sections::Cut;
+pub use small_motion::PointMotion;
 pub use springs::Springs;
 pub use steered::Steered;
 pub use trial::{

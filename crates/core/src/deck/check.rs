@@ -2,6 +2,7 @@
 
 use super::findings;
 use super::masonry::{self, Masonry};
+use super::quantity::Frequency;
 use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::symmetry::{self, Plane};
 use super::{rigid, scatter, tables, wall_defaults};
@@ -14,7 +15,7 @@ use crate::material::{
 use crate::model::Model;
 use crate::model::mirrored;
 use crate::model::mirrored::MirrorPlane;
-use crate::model::scene::{ContactPoints, Fidelity, NamedMaterial, Step, Tangent};
+use crate::model::scene::{ContactPoints, Fidelity, NamedMaterial, Rayleigh, Step, Tangent};
 use crate::model::sizes::Sizes;
 use crate::model::sizes::sizes;
 use std::borrow::Cow;
@@ -204,7 +205,25 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         notes.extend(block_notes(deck, model));
     }
     notes.extend(pivot_note(model));
+    notes.extend(damping_notes(deck));
     notes
+}
+
+/// Factors of Rayleigh damping that follow from a ratio at two frequencies.
+fn damping_notes(deck: &Deck) -> impl Iterator<Item = String> + '_ {
+    deck.steps.iter().enumerate().filter_map(|(i, step)| {
+        let rayleigh = step.rayleigh?;
+        let (ratio, frequencies) = (rayleigh.ratio?.get(), rayleigh.frequencies?);
+        let [first, second] = frequencies.map(Frequency::get);
+        let Rayleigh { mass, stiffness } = rayleigh.factors();
+        Some(format!(
+            "step {i}: damping ratio {ratio} at {first} and {second} Hz gives rayleigh mass = {mass:.5} s^-1, \
+             stiffness = {stiffness:.4e} s, least ratio {:.4} at {:.2} Hz; the stiffness part damps the solids, not \
+             the joints",
+            Rayleigh { mass, stiffness }.ratio((first * second).sqrt()),
+            (first * second).sqrt()
+        ))
+    })
 }
 
 /// Note on a material and the sizes of its elements; none without elements.

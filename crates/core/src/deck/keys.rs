@@ -147,6 +147,8 @@ alpha = -0.05  # -1/3 to 0
 rayleigh = { mass = "0.5 s^-1", stiffness = "1e-5 s" }
 mass = "0.5 s^-1"
 stiffness = "1e-5 s"
+ratio = 0.05  # of `rayleigh`, at its frequencies
+frequencies = ["8 Hz", "40 Hz"]  # `wythe modes` finds those of the wall
 ground = { x = "record.csv" }
 ground_unit = "g"  # of 1 in the records; or such as "1 m/s^2"
 ground_factor = { x = 1.2 }  # times the records

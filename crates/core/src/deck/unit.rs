@@ -74,7 +74,7 @@ const fn unit(name: &'static str, factor: f64, ten: i32, dimension: [i8; 4]) -> 
     }
 }
 
-const UNITS: [Unit; 28] = [
+const UNITS: [Unit; 29] = [
     unit("um", 1.0, -3, [1, 0, 0, 0]),
     unit("µm", 1.0, -3, [1, 0, 0, 0]),
     unit("mm", 1.0, 0, [1, 0, 0, 0]),
@@ -98,6 +98,7 @@ const UNITS: [Unit; 28] = [
     unit("ms", 1.0, -3, [0, 0, 1, 0]),
     unit("s", 1.0, 0, [0, 0, 1, 0]),
     unit("min", 60.0, 0, [0, 0, 1, 0]),
+    unit("Hz", 1.0, 0, [0, 0, -1, 0]),
     unit("h", 3600.0, 0, [0, 0, 1, 0]),
     unit("deg", 1.0, 0, [0, 0, 0, 1]),
     unit("°", 1.0, 0, [0, 0, 0, 1]),

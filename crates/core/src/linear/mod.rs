@@ -1,4 +1,5 @@
-//! Sparse direct solution of A x = b with structurally symmetric A.
+//! Sparse direct solution of A x = b with structurally symmetric A, and by it the lowest eigenpairs of symmetric
+//! matrices ([`eigen`]).
 //!
 //! A [`Pattern`] is analysed once; matrices with it are factorised and solved for right-hand sides. Every solution
 //! is checked against the stored matrix (theory/linear-solver.md, eqs 5 and 6). While the residual r = b − A x
@@ -9,6 +10,7 @@ mod ahead;
 mod assembly;
 mod directions;
 mod dissection;
+pub mod eigen;
 mod error;
 mod extend;
 mod faer_llt;

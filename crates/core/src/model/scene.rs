@@ -379,6 +379,25 @@ pub struct Rayleigh {
     pub stiffness: f64,
 }
 
+impl Rayleigh {
+    /// Damping with this ratio [-] at two frequencies [Hz]: a = 2ζ ω₁ω₂/(ω₁+ω₂), b = 2ζ/(ω₁+ω₂)
+    /// (docs/theory/inertia.md, eq. 13). Between them the ratio is smaller, outside larger.
+    pub fn at(ratio: f64, frequencies: [f64; 2]) -> Self {
+        let [first, second] = frequencies.map(|f| std::f64::consts::TAU * f);
+        let stiffness = 2.0 * ratio / (first + second);
+        Self {
+            mass: stiffness * first * second,
+            stiffness,
+        }
+    }
+
+    /// Damping ratio at a frequency [Hz].
+    pub fn ratio(self, frequency: f64) -> f64 {
+        let omega = std::f64::consts::TAU * frequency;
+        0.5 * (self.mass / omega + self.stiffness * omega)
+    }
+}
+
 /// Acceleration of the ground over the time since the step began. It is linear between its rows and zero outside
 /// them.
 ///

@@ -37,6 +37,8 @@ pub mod history;
 mod lock;
 #[cfg(feature = "mcap")]
 pub mod mcap;
+#[cfg(feature = "run-folder")]
+pub mod modes;
 pub mod output;
 #[cfg(feature = "plot")]
 pub mod plot;
@@ -71,6 +73,8 @@ pub use directory::RunDirectory;
 pub use history::HistoryWriter;
 #[cfg(feature = "mcap")]
 pub use mcap::McapWriter;
+#[cfg(feature = "run-folder")]
+pub use modes::{FoundModes, ModesError};
 pub use output::OutputError;
 #[cfg(feature = "run-folder")]
 pub use reading::{ReadError, ReadHistory, RunFolder};

@@ -7,6 +7,7 @@
 //! | `dynamics` | inertia: time integration, onset of motion, collapse |
 //! | `restart` | checkpoints and resumed runs |
 //! | `fidelity` | solution of a mirror half, or of an elastic substitute, instead of the whole model |
+//! | `vibration` | natural modes about a state |
 
 mod dynamics;
 mod fidelity;
@@ -16,6 +17,7 @@ mod recorder;
 mod restart;
 mod stepper;
 mod stepping;
+pub mod vibration;
 
 pub use recorder::Recorder;
 pub use restart::checkpoint::{Checkpoint, CheckpointError, resume};

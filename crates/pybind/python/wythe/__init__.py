@@ -49,6 +49,7 @@ from wythe._frames import Frame, History, Interfaces
 from wythe._laws import JointLaw, SolidLaw
 from wythe._limit import LimitAnalysis
 from wythe._model import Findings, Model, Problem
+from wythe._modes import Modes
 from wythe._picture import Picture
 from wythe._results import Results
 from wythe._run import Increment
@@ -91,6 +92,7 @@ __all__ = [
     "MaterialState",
     "Model",
     "ModelError",
+    "Modes",
     "OutputError",
     "Picture",
     "PointError",

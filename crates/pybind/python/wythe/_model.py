@@ -18,6 +18,7 @@ from wythe._errors import ModelError, as_path, expected, write_text
 from wythe._json import plain
 from wythe._laws import JointLaw, SolidLaw
 from wythe._limit import LimitAnalysis, limit_of
+from wythe._modes import Modes, as_count
 from wythe._picture import Picture
 from wythe._results import Results
 from wythe._run import Increment, run_deck
@@ -333,6 +334,22 @@ class Model:
     def to_inp(self) -> str:
         """The model as an input file for Abaqus: nodes, elements, sets, materials, contact and steps."""
         return self._deck.inp()
+
+    def modes(self, count: int = 10) -> Modes:
+        """The lowest natural modes at rest without preload: elastic, joints that touch closed with their elastic
+        stiffness. Supports hold; beams move as in the first step.
+
+        Parameters
+        ----------
+        count
+            Number of modes.
+
+        Raises
+        ------
+        ModelError
+            The model cannot be built, or something that can move has no mass.
+        """
+        return Modes(self._deck.modes(as_count(count)))
 
     def run(
         self,

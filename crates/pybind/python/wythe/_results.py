@@ -17,6 +17,7 @@ from wythe import _wythe
 from wythe._errors import OutputError, as_path, expected, need, unwritten, write_text
 from wythe._frames import Floats, Frame, History, Interfaces
 from wythe._grids import as_meshio, as_pyvista
+from wythe._modes import Modes, as_count
 from wythe._picture import Picture
 from wythe._temporary import Temporary
 
@@ -382,6 +383,27 @@ class Results:
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
         """The solids at rest with all fields of a frame, for meshio, which writes many formats."""
         return as_meshio(self, self.frame(frame))
+
+    def modes(self, count: int = 10, *, frame: FrameNumber = "last") -> Modes:
+        """The lowest natural modes at a frame, with the secant stiffness: damage of the solids, joints closed under
+        pressure, by their secant in tension, without stiffness where open.
+
+        Parameters
+        ----------
+        count
+            Number of modes.
+        frame
+            The frame. Beams and driven faces are held or free as in the first step.
+
+        Raises
+        ------
+        ModelError
+            Something that can move has no mass.
+        OutputError
+            The folder has no deck.
+        """
+        number = str(self._frame_number(frame))
+        return Modes(_wythe.modes_of_run(self._path, number, as_count(count)))
 
     def plot(
         self,

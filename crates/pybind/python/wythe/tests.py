@@ -40,6 +40,7 @@ __all__ = [
     "Maker",
     "Test",
     "TestValue",
+    "astm_c1531",
     "astm_e519",
     "couplet_tension",
     "direct_shear",
@@ -48,6 +49,8 @@ __all__ = [
     "en1052_3",
     "en1052_5",
     "evaluate",
+    "flat_jack",
+    "flat_jack_double",
     "names",
     "out_of_plane",
     "out_of_plane_four_point",
@@ -304,3 +307,6 @@ out_of_plane: Maker = _named("out-of-plane", _ABOUT["out-of-plane"])
 out_of_plane_two_way: Maker = _named("out-of-plane-two-way", _ABOUT["out-of-plane-two-way"])
 out_of_plane_four_point: Maker = _named("out-of-plane-four-point", _ABOUT["out-of-plane-four-point"])
 tilting_table: Maker = _named("tilting-table", _ABOUT["tilting-table"])
+flat_jack: Maker = _named("flat-jack", _ABOUT["flat-jack"])
+flat_jack_double: Maker = _named("flat-jack-double", _ABOUT["flat-jack-double"])
+astm_c1531: Maker = _named("astm-c1531", _ABOUT["astm-c1531"])

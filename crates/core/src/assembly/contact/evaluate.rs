@@ -414,7 +414,7 @@ fn facet<S: Simd, L: JointLaw + ?Sized>(
 
 /// Sums the stiffness of the points of each cell into it, and marks these cells.
 #[inline(always)]
-fn write_cells<S: Simd>(
+pub(super) fn write_cells<S: Simd>(
     simd: S,
     parts: &[(usize, Symmetric)],
     active: &mut [bool],

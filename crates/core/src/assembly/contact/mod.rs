@@ -7,6 +7,7 @@ mod evaluate;
 mod pairing;
 mod rims;
 mod sight;
+mod small_motion;
 mod work;
 
 pub(super) use sight::Sight;

@@ -50,14 +50,32 @@ pub struct DeckStop {
     pub displacement: Option<Length>,
 }
 
-/// `rayleigh` of a dynamic step.
+/// `rayleigh` of a dynamic step: its two factors, or a damping ratio at two frequencies.
+#[skip_serializing_none]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckRayleigh {
     /// Factor of the mass matrix [1/s].
-    pub mass: Frequency,
+    pub mass: Option<Frequency>,
     /// Factor of the elastic stiffness of the solids [s].
-    pub stiffness: Time,
+    pub stiffness: Option<Time>,
+    /// Damping ratio at the two `frequencies` [-].
+    pub ratio: Option<Number>,
+    /// Frequencies of vibration at which the damping has this `ratio` [Hz].
+    pub frequencies: Option<[Frequency; 2]>,
+}
+
+impl DeckRayleigh {
+    /// The factors of mass and stiffness (docs/theory/inertia.md, eq. 13).
+    pub fn factors(self) -> Rayleigh {
+        if let (Some(ratio), Some(frequencies)) = (self.ratio, self.frequencies) {
+            return Rayleigh::at(ratio.get(), frequencies.map(Frequency::get));
+        }
+        Rayleigh {
+            mass: self.mass.map_or(0.0, Frequency::get),
+            stiffness: self.stiffness.map_or(0.0, Time::get),
+        }
+    }
 }
 
 /// `ground` of a step: a record of acceleration for each direction.
@@ -103,7 +121,6 @@ const ALPHA: f64 = -0.05;
 impl DeckProcedure {
     /// The procedure of the model with these keys.
     pub fn with(self, alpha: Option<Number>, rayleigh: Option<DeckRayleigh>) -> Procedure {
-        let rayleigh = rayleigh.unwrap_or_default();
         match self {
             Self::Auto => Procedure::Auto,
             Self::Static => Procedure::Static,
@@ -111,10 +128,7 @@ impl DeckProcedure {
             Self::QuasiStatic => Procedure::QuasiStatic,
             Self::Dynamic => Procedure::Dynamic {
                 alpha: alpha.map_or(ALPHA, Number::get),
-                damping: Rayleigh {
-                    mass: rayleigh.mass.get(),
-                    stiffness: rayleigh.stiffness.get(),
-                },
+                damping: rayleigh.unwrap_or_default().factors(),
             },
             Self::ArcLength => Procedure::ArcLength,
             Self::Dissipation => Procedure::Dissipation,

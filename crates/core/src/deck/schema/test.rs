@@ -61,6 +61,15 @@ pub enum TestKind {
     /// Load factor of a wall on a tilting table.
     #[serde(rename = "tilting-table")]
     TiltingTable,
+    /// ASTM C1196 and RILEM MDT.D.4: stress of a wall by a flat jack in a slot.
+    #[serde(rename = "flat-jack")]
+    FlatJack,
+    /// ASTM C1197 and RILEM MDT.D.5: modulus of the masonry between two flat jacks.
+    #[serde(rename = "flat-jack-double")]
+    FlatJackDouble,
+    /// ASTM C1531: shear strength of the beds of a unit pushed in place.
+    #[serde(rename = "astm-c1531")]
+    PushedUnit,
 }
 
 impl DeckTest {
@@ -81,11 +90,14 @@ impl DeckTest {
                 &["length", "thickness", "height"]
             }
             Kind::Flexure => &["length", "thickness", "spans"],
-            Kind::Triplet | Kind::DirectShear => &["length", "thickness", "pressure"],
+            Kind::Triplet | Kind::DirectShear | Kind::PushedUnit => {
+                &["length", "thickness", "pressure"]
+            }
             Kind::BondWrench => &["length", "thickness", "lever"],
             Kind::CoupletTension => &["length", "thickness"],
             Kind::ShearCompression => &["length", "thickness", "height", "pressure"],
             Kind::TiltingTable => &["length", "thickness", "height", "angle"],
+            Kind::FlatJack | Kind::FlatJackDouble => &["pressure"],
         };
         let missing = has
             .into_iter()
@@ -98,8 +110,9 @@ impl DeckTest {
         match self.kind {
             TestKind::Compression => &["front", "back"],
             TestKind::Diagonal => &["vertical", "horizontal"],
-            TestKind::Triplet => &["slip"],
+            TestKind::Triplet | TestKind::PushedUnit => &["slip"],
             TestKind::DirectShear => &["uplift"],
+            TestKind::FlatJack | TestKind::FlatJackDouble => &["left", "middle", "right"],
             _ => &[],
         }
     }

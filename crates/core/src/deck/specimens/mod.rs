@@ -4,11 +4,13 @@
 //! docs/reference/standard-tests.md describes each test, its sizes and its definitions, with sources.
 
 mod compression;
+mod flat_jack;
 mod flexure;
 mod joints;
 mod materials;
 mod options;
 mod out_of_plane;
+mod pushed_unit;
 mod text;
 mod tilting;
 mod walls;
@@ -68,7 +70,7 @@ impl SpecimenDeck {
 const EN1052_3: &[f64] = &[0.2, 0.6, 1.0];
 
 /// All tests.
-pub const TESTS: [StandardTest; 15] = [
+pub const TESTS: [StandardTest; 18] = [
     StandardTest {
         name: "en1052-1",
         kind: TestKind::Compression,
@@ -173,6 +175,27 @@ pub const TESTS: [StandardTest; 15] = [
         about: "dry wall on a table that tilts until the wall falls",
         write: tilting::table,
         pressures: &[],
+    },
+    StandardTest {
+        name: "flat-jack",
+        kind: TestKind::FlatJack,
+        about: "wall under stress without and with a slot, whose jack brings the gauges back (ASTM C1196)",
+        write: flat_jack::single,
+        pressures: &[0.5],
+    },
+    StandardTest {
+        name: "flat-jack-double",
+        kind: TestKind::FlatJackDouble,
+        about: "two slots whose jacks press the masonry between them: modulus (ASTM C1197)",
+        write: flat_jack::double,
+        pressures: &[0.5],
+    },
+    StandardTest {
+        name: "astm-c1531",
+        kind: TestKind::PushedUnit,
+        about: "a unit of a wall, freed at both ends, pushed along its beds under three stresses (ASTM C1531)",
+        write: pushed_unit::pushed,
+        pressures: &[0.1, 0.3, 0.6],
     },
 ];
 

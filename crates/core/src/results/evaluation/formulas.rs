@@ -2,24 +2,24 @@
 
 use super::line::Line;
 use super::run::{EvaluationError, TestRun};
-use super::{RunValues, TestValue};
+use super::{RunValues, TestValue, flat_jack};
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::TestKind;
 
 /// Part of the largest force at which moduli are read, by EN 1052-1.
-const THIRD: f64 = 1.0 / 3.0;
+pub(super) const THIRD: f64 = 1.0 / 3.0;
 
 /// Last part of the way over which a residual force is averaged.
 const LAST: f64 = 0.1;
 
-type Values = Result<Vec<TestValue>, EvaluationError>;
+pub(super) type Values = Result<Vec<TestValue>, EvaluationError>;
 
 /// Results of one run.
 pub(super) fn values(run: &TestRun) -> Values {
     match run.test.kind {
         TestKind::Compression => compression(run),
         TestKind::Flexure => flexure(run),
-        TestKind::Triplet => triplet(run),
+        TestKind::Triplet | TestKind::PushedUnit => triplet(run),
         TestKind::BondWrench => wrench(run),
         TestKind::CoupletTension => tension(run),
         TestKind::DirectShear => direct_shear(run),
@@ -27,6 +27,8 @@ pub(super) fn values(run: &TestRun) -> Values {
         TestKind::ShearCompression => shear_compression(run),
         TestKind::OutOfPlane => out_of_plane(run),
         TestKind::TiltingTable => tilting(run),
+        TestKind::FlatJack => flat_jack::single(run),
+        TestKind::FlatJackDouble => flat_jack::double(run),
     }
 }
 
@@ -39,6 +41,8 @@ pub(super) fn together(
     let names = match runs[0].test.kind {
         TestKind::Triplet => ["f_v0", "f_vk0", "tan_alpha", "tan_alpha_k", "tan_phi_r"],
         TestKind::DirectShear => ["c", "", "tan_phi", "", "tan_phi_r"],
+        TestKind::PushedUnit => ["f_v0", "", "tan_alpha", "", "tan_phi_r"],
+        TestKind::FlatJack => return flat_jack::together(runs, notes),
         _ => return Vec::new(),
     };
     let pairs = |name: &str| -> Vec<(f64, f64)> {

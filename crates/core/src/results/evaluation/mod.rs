@@ -2,6 +2,7 @@
 //!
 //! A deck says by its table `[test]` which test it models and with which sizes.
 
+mod flat_jack;
 mod formulas;
 mod line;
 mod run;

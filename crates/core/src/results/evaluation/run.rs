@@ -2,7 +2,7 @@
 
 use crate::deck::Deck;
 use crate::deck::quantity::Quantity;
-use crate::deck::schema::DeckTest;
+use crate::deck::schema::{DeckTest, TestKind};
 use crate::element::hexahedron::{difference, norm};
 use crate::error::{DeckError, ModelError};
 use crate::model::Model;
@@ -175,6 +175,15 @@ impl TestRun {
         let name = &self.name;
         let remark = match self.verdict {
             None => "has not ended",
+            // The stress of the wall, or the pressure of a jack, is no force to be broken.
+            Some(VerdictKind::StillRising)
+                if matches!(
+                    self.test.kind,
+                    TestKind::FlatJack | TestKind::FlatJackDouble
+                ) =>
+            {
+                return;
+            }
             Some(VerdictKind::StillRising) => {
                 "still rises at its end: the largest force is no strength"
             }

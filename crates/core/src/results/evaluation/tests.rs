@@ -41,6 +41,9 @@ fn run(kind: TestKind, points: &[(f64, f64)], columns: &[(&str, Vec<f64>)]) -> T
             ("back_mm".to_owned(), 100.0),
             ("vertical_mm".to_owned(), 200.0),
             ("horizontal_mm".to_owned(), 200.0),
+            ("left_mm".to_owned(), 100.0),
+            ("middle_mm".to_owned(), 100.0),
+            ("right_mm".to_owned(), 100.0),
         ]),
         collapsed_at: None,
         verdict: Some(VerdictKind::PeakPassed),
@@ -191,4 +194,33 @@ fn a_force_that_still_rises_is_remarked_on_and_mixed_runs_are_refused() {
         evaluate(&[still]),
         Err(EvaluationError::NoCurve(_))
     ));
+}
+
+#[test]
+fn a_flat_jack_gives_the_pressure_that_brings_the_gauges_back() {
+    let points = [(0.0, 1.0), (0.0, 2.0), (0.0, 2.0), (0.0, 2.0)];
+    let gauges =
+        |values: [f64; 4]| ["left_mm", "middle_mm", "right_mm"].map(|name| (name, values.to_vec()));
+    let whole = run(
+        TestKind::FlatJack,
+        &points,
+        &gauges([-0.01, -0.02, -0.02, -0.02]),
+    );
+    let mut columns = gauges([-0.05, -0.10, -0.04, 0.02]).to_vec();
+    columns.push(("jack_MPa", vec![0.0, 0.0, 0.5, 1.0]));
+    let slot = run(TestKind::FlatJack, &points, &columns);
+    let found = evaluate(&[whole.clone(), slot.clone()]).unwrap();
+    assert_eq!(found.notes, Vec::<String>::new());
+    // From -0.04 at 0.5 to 0.02 at 1 MPa: -0.02 at a third of the way.
+    near(of(&found, "f_m"), 2.0 / 3.0);
+    near(of(&found, "f_m_over_f_p"), 4.0 / 3.0);
+    near(of(&found, "gauges"), -0.02);
+    let alone = evaluate(&[slot]).unwrap();
+    assert!(alone.together.is_empty() && alone.notes[0].contains("needs two runs"));
+    let mut columns = gauges([0.0, 0.0, -0.05, -0.10]).to_vec();
+    columns.push(("jack_MPa", vec![0.0, 0.0, 0.5, 1.0]));
+    let double = evaluate(&[run(TestKind::FlatJackDouble, &points, &columns)]).unwrap();
+    // 1/3 MPa shortens 100 mm by 0.1/3 mm.
+    near(of(&double, "E"), 1000.0);
+    near(of(&double, "E_middle"), 1000.0);
 }

@@ -8,6 +8,8 @@ pub mod raster;
 pub mod scatter;
 #[cfg(feature = "run-folder")]
 pub mod scene;
+#[cfg(feature = "run-folder")]
+pub mod shape;
 
 pub use chart::{Line, curves, load_displacements};
 #[cfg(feature = "run-folder")]

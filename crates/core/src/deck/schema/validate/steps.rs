@@ -3,7 +3,9 @@
 use super::Checks;
 use crate::deck::keys;
 use crate::deck::quantity::Quantity;
-use crate::deck::schema::{DeckProcedure, DeckStep, Direction, Heading, StepKind, Turning};
+use crate::deck::schema::{
+    DeckProcedure, DeckRayleigh, DeckStep, Direction, Heading, StepKind, Turning,
+};
 use crate::model::scene::Tangent;
 
 /// Largest number of iterations of an increment.
@@ -219,14 +221,59 @@ impl Checks<'_> {
             );
         }
         if let Some(rayleigh) = step.rayleigh {
-            self.not_negative(&key("rayleigh.mass"), rayleigh.mass);
-            self.not_negative(&key("rayleigh.stiffness"), rayleigh.stiffness);
+            self.rayleigh(&key("rayleigh"), &rayleigh);
         }
         if matches!(
             step.procedure,
             DeckProcedure::QuasiStatic | DeckProcedure::Dynamic
         ) {
             self.masses(&key("procedure"));
+        }
+    }
+
+    /// Checks factors, or ratio and frequencies, of Rayleigh damping.
+    fn rayleigh(&mut self, path: &str, rayleigh: &DeckRayleigh) {
+        let key = |name: &str| format!("{path}.{name}");
+        if let Some(mass) = rayleigh.mass {
+            self.not_negative(&key("mass"), mass);
+        }
+        if let Some(stiffness) = rayleigh.stiffness {
+            self.not_negative(&key("stiffness"), stiffness);
+        }
+        let by_ratio = [rayleigh.ratio.is_some(), rayleigh.frequencies.is_some()];
+        let by_factors = rayleigh.mass.is_some() || rayleigh.stiffness.is_some();
+        if by_ratio == [false; 2] {
+            return;
+        }
+        self.require(
+            by_ratio == [true; 2],
+            path,
+            || "`ratio` and `frequencies` belong together".to_owned(),
+            "say both: rayleigh = { ratio = 0.05, frequencies = [\"8 Hz\", \"40 Hz\"] }",
+        );
+        self.require(
+            !by_factors,
+            path,
+            || "the damping is given twice".to_owned(),
+            "say `ratio` and `frequencies`, or `mass` and `stiffness`",
+        );
+        if let Some(ratio) = rayleigh.ratio {
+            let value = ratio.get();
+            self.demand(
+                (0.0..1.0).contains(&value),
+                &key("ratio"),
+                || format!("{value} is not between 0 and 1"),
+                "masonry that does not crack has 0.02 to 0.05",
+            );
+        }
+        for frequency in rayleigh.frequencies.into_iter().flatten() {
+            let value = frequency.get();
+            self.demand(
+                value > 0.0,
+                &key("frequencies"),
+                || format!("{value} Hz is not above 0"),
+                "`wythe modes` finds the natural frequencies",
+            );
         }
     }
 

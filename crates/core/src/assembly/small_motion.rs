@@ -1,0 +1,58 @@
+//! Stiffness for small motions about a state: the linear system of which vibrations are the solutions
+//! (theory/vibration.md, eqs 1 and 2).
+
+use super::pattern::CELL;
+use super::{Evaluation, Solids, System, Trial, Turning};
+use crate::material::LocalFailure;
+use crate::state::State;
+
+/// A contact point that faces a master facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMotion {
+    /// Number of the point. `[slave facet][point]`
+    pub point: usize,
+    /// Its normal gap [mm].
+    pub gap: f64,
+    /// Its area [mm²].
+    pub area: f64,
+}
+
+impl System {
+    /// Writes the stiffness about the displacements `q` to the cells of the trial: solids with the damage of the
+    /// state and the stiffness of their stress, joints by `joint`, springs. General contact and follower pressures
+    /// have no part. The trial must have been started from the state.
+    ///
+    /// # Errors
+    /// Number of the element and the reason, if an element is inverted.
+    pub fn write_small_motion(
+        &mut self,
+        state: &State,
+        trial: &mut Trial,
+        joint: &dyn Fn(PointMotion) -> [f64; 2],
+    ) -> Result<(), (usize, LocalFailure)> {
+        self.search(trial, &state.q);
+        let n_elements = self.bulk.elements.len();
+        let n_loaded = n_elements + self.contact.cell_count() + self.general.cells().len();
+        let n_sprung = n_loaded + self.springs.cells().len();
+        let n_cells = n_sprung + self.outside.cells().len() + self.steered_cells().len();
+        trial.cells.force.resize(n_loaded, [[0.0; 3]; 8]);
+        trial.cells.stiffness.resize(n_cells * CELL, 0.0);
+        trial.cells.active.clear();
+        trial.cells.active.resize(n_cells, false);
+        trial.cells.changed.resize(n_cells, true);
+        // Damage and inelastic strain of the state are held.
+        let setting = Evaluation {
+            dt: 0.0,
+            solids: Solids::Extrapolated { ratio: 0.0 },
+            shifted: false,
+            tangent: true,
+            turning: Turning::Ignored,
+        };
+        self.bulk.evaluate(state, trial, setting)?;
+        self.contact.write_small_motion(trial, n_elements, joint);
+        self.springs
+            .write_stiffness(&mut trial.cells.stiffness[n_loaded * CELL..n_sprung * CELL]);
+        trial.cells.active[n_loaded..n_sprung].fill(true);
+        Ok(())
+    }
+}
