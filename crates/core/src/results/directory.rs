@@ -14,7 +14,8 @@ use super::output::{
     CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
     OF_A_RUN, OutputError, REPORT, SUMMARY, spare_inputs,
 };
-use super::snapshot::Snapshots;
+use super::plotting::columns::{Columns, columns};
+use super::snapshot::{FrameChoice, Snapshots};
 use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
@@ -312,7 +313,7 @@ impl RunDirectory {
         let frames = RunFolder::open(&path).and_then(|folder| Snapshots::open(&folder));
         let answers = Answers::of_run(model, run, &curve, frames.as_ref().ok());
         writing(&path, LOAD_DISPLACEMENT, |file| {
-            let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
+            let svg = picture_of(&path, model, &curve).map_err(io::Error::other)?;
             write_whole(file, svg.as_bytes())
         })?;
         if let Some(messages) = messages {
@@ -321,7 +322,11 @@ impl RunDirectory {
             })?;
         }
         if let Some(frame) = last_frame {
-            let svg = elevation::crack_pattern(model, &frame);
+            let last = frames.ok().and_then(|f| f.at(FrameChoice::Last).ok());
+            let svg = match last {
+                Some(last) => elevation::crack_pattern_of(&last, Some(model)),
+                None => elevation::crack_pattern(model, &frame),
+            };
             writing(&path, CRACK_PATTERN, |file| {
                 write_whole(file, svg.as_bytes())
             })?;
@@ -345,6 +350,19 @@ impl RunDirectory {
         writing(&path, SUMMARY, |file| summary.write(file))?;
         Ok(summary)
     }
+}
+
+/// The load-displacement curve, or the probes over time of a run without one.
+fn picture_of(folder: &Path, model: &Model, curve: &Curve) -> Result<String, String> {
+    if !curve.points().is_empty() {
+        return plot::load_displacement(&model.title, curve);
+    }
+    let history = RunFolder::open(folder).and_then(|folder| folder.history());
+    let picture = history.and_then(|history| {
+        let runs = [("", &history)];
+        columns(&model.title, &runs, &Columns::default())
+    });
+    picture.map_err(|error| error.to_string())
 }
 
 /// Starts [`MESSAGES`] and attaches the experiment named in the deck; `None` if the model asks for no messages.
