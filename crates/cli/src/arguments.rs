@@ -11,7 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use wythe_core::deck::{specimens, templates};
 
 use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
-pub use results::{Compare, Evaluate, Export, Format, Frames, Info, Plot};
+pub use results::{Animate, Compare, Evaluate, Export, Format, Frames, Info, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 
 /// Computes the collapse of masonry walls by the detailed micro-model.
@@ -202,9 +202,12 @@ pub enum Command {
     /// Show a run on one HTML page.
     #[command(after_help = REPORT_HELP)]
     Report(ReportPage),
-    /// Draw a run: curves beside experiments and other runs, cracks, deflections.
+    /// Draw a run: curves beside experiments and other runs, columns of the history, cracks, deflections.
     #[command(after_help = PLOT_HELP)]
     Plot(Plot),
+    /// Animate a run: the deformed wall with its cracks frame by frame, and the curve beside it.
+    #[command(after_help = ANIMATE_HELP)]
+    Animate(Animate),
     /// Compare a run with an experiment, in numbers.
     #[command(after_help = COMPARE_HELP)]
     Compare(Compare),

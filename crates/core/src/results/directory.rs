@@ -52,6 +52,8 @@ pub struct RunDirectory {
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
+    /// Index in the curve, and fields, of the largest force so far, while no frame shows it.
+    peak: Option<(usize, Arc<Frame>)>,
     motion: Motion,
     deck: DeckCopy,
     spent: Spent,
@@ -184,6 +186,7 @@ impl RunDirectory {
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
+            peak: None,
             motion: Motion::default(),
             deck: DeckCopy::default(),
             spent: Spent {
@@ -207,6 +210,8 @@ impl RunDirectory {
             self.count(model, row);
         }
         self.last_frame = last_frame.map(Arc::new);
+        let peak = file.peak.as_ref();
+        self.peak = peak.map(|(index, fields)| (*index, Arc::new(fields.clone())));
         (self.spent.wall_before, self.spent.cpu_before) = (file.wall_s, file.cpu_s);
         self.deck.text.clone_from(&file.deck);
         self.deck.folder.clone_from(&file.deck_folder);
@@ -273,6 +278,19 @@ impl RunDirectory {
         }
     }
 
+    /// Writes the fields of the largest force so far as a frame, if no frame shows it. It comes before the frame of a
+    /// later increment, so that the frames are in the order of time.
+    fn write_peak(&mut self) -> io::Result<()> {
+        let Some((index, fields)) = self.peak.take() else {
+            return Ok(());
+        };
+        if self.curve.peak().is_some_and(|peak| peak.index == index) {
+            writing(&self.path, FIELDS, |_| self.fields.append(&fields))?;
+            self.last_frame = Some(fields);
+        }
+        Ok(())
+    }
+
     /// Wall-clock and CPU time of the run [s], with the time before it was resumed.
     fn times(&self) -> (f64, Option<f64>) {
         let wall = self.spent.wall_before + self.spent.started.elapsed().as_secs_f64();
@@ -286,11 +304,12 @@ impl RunDirectory {
     /// # Errors
     /// [`OutputError::Write`]; no summary is written then.
     pub fn finish(
-        self,
+        mut self,
         model: &Model,
         run: &Summary,
         model_warnings: &[String],
     ) -> Result<SummaryFile, OutputError> {
+        writing(&self.path.clone(), FIELDS, |_| self.write_peak())?;
         let (wall_s, cpu_s) = self.times();
         let Self {
             path,
@@ -415,6 +434,7 @@ impl Recorder for RunDirectory {
             self.fields.settled().map(|fields| fields.row(row))
         })?;
         if let Some(frame) = frame {
+            self.write_peak()?;
             let frame = Arc::new(frame.clone());
             writing(&self.path, FIELDS, |_| self.fields.append(&frame))?;
             self.last_frame = Some(frame);
@@ -426,6 +446,18 @@ impl Recorder for RunDirectory {
             })?;
         }
         Ok(true)
+    }
+
+    /// The fields of each largest force so far are kept, and written if the next frame lies lower.
+    fn wants_fields(&self) -> bool {
+        let last = self.curve.points().len().checked_sub(1);
+        last.is_some() && self.curve.peak().map(|peak| peak.index) == last
+    }
+
+    fn keep(&mut self, _model: &Model, fields: Frame) {
+        if let Some(last) = self.curve.points().len().checked_sub(1) {
+            self.peak = Some((last, Arc::new(fields)));
+        }
     }
 
     fn note(&mut self, text: &str) {
@@ -467,6 +499,10 @@ impl Recorder for RunDirectory {
             messages,
             wall_s,
             cpu_s,
+            peak: self
+                .peak
+                .as_ref()
+                .map(|(index, fields)| (*index, fields.as_ref().clone())),
             solver: make(),
         };
         writing(&self.path, CHECKPOINT, |path| file.write(path))?;

@@ -12,7 +12,7 @@ use crate::state::{Frame, HistoryRow};
 pub enum FrameChoice {
     /// Frame of this number, from 0.
     Number(usize),
-    /// Frame nearest to the largest force.
+    /// Frame of the largest force; the nearest one of a run that was killed before it was written.
     Peak,
     /// Last frame.
     #[default]

@@ -191,7 +191,7 @@ fn with_unit(value: f64, column: &str) -> String {
 }
 
 /// Name of an axis: `displacement [mm]` for `displacement_mm`.
-fn axis(column: &str) -> String {
+pub fn axis(column: &str) -> String {
     match split(column) {
         (name, "") => name,
         (name, unit) => format!("{name} [{unit}]"),

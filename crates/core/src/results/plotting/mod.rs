@@ -18,7 +18,7 @@ pub use chart::{Line, curves, load_displacements};
 #[cfg(feature = "run-folder")]
 pub use deflection::{Along, Deflection, deflections};
 pub use histogram::{Bars, histogram};
-pub use raster::png;
+pub use raster::{png, png_of_width};
 pub use scatter::{Scatter, Spot};
 #[cfg(feature = "run-folder")]
 pub use scene::scene;

@@ -54,6 +54,16 @@ pub fn png(svg: &str, zoom: f32) -> Result<Vec<u8>, String> {
     pixels.encode_png().map_err(|error| error.to_string())
 }
 
+/// The picture as PNG, `width` pixels wide.
+///
+/// # Errors
+/// As for [`png`].
+pub fn png_of_width(svg: &str, width: u32) -> Result<Vec<u8>, String> {
+    let tree = tree(svg)?;
+    let pixels = drawn(&tree, width as f32 / tree.size().width())?;
+    pixels.encode_png().map_err(|error| error.to_string())
+}
+
 /// Width, height and pixels of an opaque picture, which is `width` pixels wide. `[pixel][rgba]`
 ///
 /// # Errors

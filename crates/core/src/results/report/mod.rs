@@ -266,6 +266,7 @@ impl Text<'_> {
             Some(Status::Collapsed) => ("warn", "collapsed"),
             Some(Status::NotConverged) => ("bad", "not converged"),
             Some(Status::Interrupted) => ("warn", "interrupted"),
+            Some(Status::Stopped) => ("warn", "stopped by a callback"),
             None => ("warn", "no summary: going on, or killed"),
         };
         let message = self.summary.map_or("", |s| s.message.as_str());

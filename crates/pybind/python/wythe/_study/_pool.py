@@ -31,8 +31,18 @@ GUARD = (
     "imports the script"
 )
 
+# Exit code of a worker whose script starts workers while it is imported.
+UNGUARDED = 87
+
 # Number of attempts to start a process that is killed during its start.
 STARTS = 3
+
+
+def leave_import() -> None:
+    """Ends this process without a traceback if it is a worker that still imports the script: the waiting process
+    says what to write."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise SystemExit(UNGUARDED)
 
 
 class WorkerDied(Exception):
@@ -52,6 +62,7 @@ class Workers(Executor):
     """
 
     def __init__(self, count: int | None = None) -> None:
+        leave_import()
         if count is None:
             count = os.cpu_count() or 1
         self._max_workers = whole("count", count, 1)
@@ -185,6 +196,8 @@ class _Worker:
                 break
         if self._killed:
             raise WorkerDied("the worker processes were ended")
+        if process.exitcode == UNGUARDED:
+            raise WorkerBroken(GUARD)
         raise WorkerBroken(
             f"a worker process cannot start: it {cause}. What it wrote is above; {GUARD}"
         )
