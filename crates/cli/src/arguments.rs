@@ -10,7 +10,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wythe_core::deck::{specimens, templates};
 
-use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
+use results::{ANIMATE_HELP, COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, PLOT_HELP};
 pub use results::{Animate, Compare, Evaluate, Export, Format, Frames, Info, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 

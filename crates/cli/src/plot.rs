@@ -130,14 +130,20 @@ fn pictures_of(arguments: &Plot) -> Result<Vec<(String, String)>, Failure> {
         let lines: Vec<Line> = runs.iter().map(|run| run.line.clone()).collect();
         load_displacements(title, &lines, &experiments).map_err(|why| undrawn(&why))?
     } else {
-        let named = runs.iter().map(|run| (run.line.name.as_str(), &run.history));
+        let named = runs
+            .iter()
+            .map(|run| (run.line.name.as_str(), &run.history));
         columns(title, &named.collect::<Vec<_>>(), &Columns::default())?
     };
     pictures.push(("curves".to_owned(), curves));
     let look = arguments.view.look();
     let model = RunFolder::open(&arguments.folder)?.model();
     pictures.push((
-        format!("cracks_{:04}{}", first.snapshot.number, look.view.file_name()),
+        format!(
+            "cracks_{:04}{}",
+            first.snapshot.number,
+            look.view.file_name()
+        ),
         wall_picture(&first.snapshot, model.as_ref(), &look)?,
     ));
     pictures.extend(deflections_of(&runs, first)?);

@@ -217,16 +217,29 @@ fn what_cannot_be_drawn_is_said() {
     for (arguments, wanted) in [
         (&["plot", &run, "--y", "force_kn"][..], "`force_kN`"),
         (&["plot", &run, "--x", "procedure"], "no column `procedure`"),
-        (&["plot", &run, "--section", "z=9999"], "no part of the model lies at z = 9999"),
-        (&["animate", &run, "--section", "x=-5"], "the model reaches from x ="),
+        (
+            &["plot", &run, "--section", "z=9999"],
+            "no part of the model lies at z = 9999",
+        ),
+        (
+            &["animate", &run, "--section", "x=-5"],
+            "the model reaches from x =",
+        ),
         (&["plot", &run, "--section", "5"], "expected an axis and mm"),
         (&["plot", &run, "--face", "iso"], "expected front, back"),
-        (&["plot", &run, "--face", "back", "--view", "iso"], "cannot be used with"),
+        (
+            &["plot", &run, "--face", "back", "--view", "iso"],
+            "cannot be used with",
+        ),
         (&["animate", &run, "--frame", "1"], "--frame"),
     ] {
         let output = wythe(arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");
-        assert!(stderr(&output).contains(wanted), "{arguments:?}: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains(wanted),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
     }
 }
 

@@ -104,7 +104,8 @@ pub fn gif(
         let (wide, tall) = (side(wide)?, side(tall)?);
         if let Some(into) = into.take() {
             let mut new = gif::Encoder::new(into, wide, tall, &[]).map_err(|e| undrawn(&e))?;
-            new.set_repeat(gif::Repeat::Infinite).map_err(|e| undrawn(&e))?;
+            new.set_repeat(gif::Repeat::Infinite)
+                .map_err(|e| undrawn(&e))?;
             encoder = Some(new);
         }
         let mut frame = gif::Frame::from_rgba_speed(wide, tall, &mut pixels, SPEED);
@@ -133,7 +134,10 @@ fn chosen(count: usize, most: usize) -> Vec<usize> {
 
 /// The wall with the curve and its present point to the right.
 fn beside(wall: &str, snapshot: &Snapshot, points: &[Point]) -> Result<String, ReadError> {
-    let now = snapshot.row.as_ref().map(|r| (r.displacement_mm, r.force_kN));
+    let now = snapshot
+        .row
+        .as_ref()
+        .map(|r| (r.displacement_mm, r.force_kN));
     let run = Line {
         name: String::new(),
         points: points.to_vec(),
@@ -179,8 +183,12 @@ mod tests {
         let mut run = RunDirectory::create(folder.path(), &model).unwrap();
         for i in 1..=frames {
             let d = i as f64;
-            run.take(&model, &fake::row(i, 1, d, 10.0 - d), Some(&fake::frame(&model, d)))
-                .unwrap();
+            run.take(
+                &model,
+                &fake::row(i, 1, d, 10.0 - d),
+                Some(&fake::frame(&model, d)),
+            )
+            .unwrap();
         }
         drop(run);
         let open = Snapshots::open(&RunFolder::open(folder.path()).unwrap()).unwrap();
@@ -220,6 +228,9 @@ mod tests {
     fn a_run_without_frames_is_an_error() {
         let (_keep, snapshots) = snapshots(0);
         let error = gif(&snapshots, None, &Animation::default()).unwrap_err();
-        assert!(error.to_string().contains("has written none yet"), "{error}");
+        assert!(
+            error.to_string().contains("has written none yet"),
+            "{error}"
+        );
     }
 }

@@ -31,14 +31,14 @@ pub const CRACKED: Rgb = [20, 10, 15];
 /// Marks of crushed elements.
 pub const CRUSHED: Rgb = [31, 95, 208];
 /// States of a joint by their number: intact, softening, failed and open, failed and sliding.
-pub const STATES: [Rgb; 4] = [[185, 178, 168], [242, 200, 15], [208, 28, 28], [232, 126, 0]];
-/// Names of the states by their number.
-pub const STATE_NAMES: [&str; 4] = [
-    "intact",
-    "softening",
-    "failed, open",
-    "failed, sliding",
+pub const STATES: [Rgb; 4] = [
+    [185, 178, 168],
+    [242, 200, 15],
+    [208, 28, 28],
+    [232, 126, 0],
 ];
+/// Names of the states by their number.
+pub const STATE_NAMES: [&str; 4] = ["intact", "softening", "failed, open", "failed, sliding"];
 
 /// Colour of a sound material.
 pub fn material(index: usize) -> Rgb {
@@ -122,7 +122,9 @@ mod tests {
     fn no_two_states_look_alike() {
         for (i, a) in STATES.iter().enumerate() {
             for b in &STATES[..i] {
-                let off: i32 = (0..3).map(|k| (i32::from(a[k]) - i32::from(b[k])).abs()).sum();
+                let off: i32 = (0..3)
+                    .map(|k| (i32::from(a[k]) - i32::from(b[k])).abs())
+                    .sum();
                 // Of 765, a third of the distance from black to one full colour.
                 assert!(off > 85, "{a:?} {b:?}");
             }

@@ -26,7 +26,12 @@ pub fn load_displacement(title: &str, curve: &Curve) -> Result<String, String> {
         let (force, at) = (brief(peak.force), brief(peak.displacement));
         format!("{} {force} kN at {at} mm", curve.word_of_largest())
     });
-    marked(SIZE, title, ["displacement [mm]", "force [kN]"], (&line, &said))
+    marked(
+        SIZE,
+        title,
+        ["displacement [mm]", "force [kN]"],
+        (&line, &said),
+    )
 }
 
 #[cfg(test)]

@@ -181,7 +181,9 @@ impl Found {
         companion.status = Some(ended.status);
         match ended.status {
             Status::Completed | Status::Collapsed => {}
-            Status::Interrupted | Status::Stopped => return Err("its companion was interrupted".to_owned()),
+            Status::Interrupted | Status::Stopped => {
+                return Err("its companion was interrupted".to_owned());
+            }
             Status::NotConverged => return Err(format!("its companion has {}", ended.verdict)),
         }
         let of_companion = RunFolder::open(&folder.join(&companion.folder))

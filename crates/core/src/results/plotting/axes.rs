@@ -11,7 +11,7 @@
 use std::fmt::Write as _;
 
 use super::chart::{Line, Pen};
-use super::place::{self, Rect, Pixel};
+use super::place::{self, Pixel, Rect};
 use crate::experiment::Point;
 use crate::results::colours::{Rgb, hex};
 
@@ -101,7 +101,12 @@ impl Axes<'_> {
         let widest = ticks_y.iter().map(|t| place::width(&t.1, 13.0));
         let left = MARGIN + 30.0 + widest.fold(0.0, f64::max);
         let (width, tall) = self.size;
-        let inside = Rect([left, MARGIN + TITLE, width - MARGIN - 6.0, tall - BELOW - 8.0]);
+        let inside = Rect([
+            left,
+            MARGIN + TITLE,
+            width - MARGIN - 6.0,
+            tall - BELOW - 8.0,
+        ]);
         let frame = Frame { x, y, inside };
         let mut svg = String::new();
         let drawn = self.draw(&mut svg, &frame, &ticks_y);
@@ -109,12 +114,7 @@ impl Axes<'_> {
         Ok(svg)
     }
 
-    fn draw(
-        &self,
-        svg: &mut String,
-        frame: &Frame,
-        ticks_y: &[(f64, String)],
-    ) -> std::fmt::Result {
+    fn draw(&self, svg: &mut String, frame: &Frame, ticks_y: &[(f64, String)]) -> std::fmt::Result {
         let drawn: Vec<Vec<Vec<Pixel>>> = self
             .lines
             .iter()
@@ -228,20 +228,35 @@ fn grid(
         let [x, _] = frame.place((value, 0.0));
         write!(path, "M{x:.2} {top:.2}V{bottom:.2}")?;
         let y = bottom + 18.0;
-        writeln!(labels, r#"<text x="{x:.2}" y="{y:.1}" text-anchor="middle">{text}</text>"#)?;
+        writeln!(
+            labels,
+            r#"<text x="{x:.2}" y="{y:.1}" text-anchor="middle">{text}</text>"#
+        )?;
     }
     for (value, text) in ticks_y {
         let [_, y] = frame.place((0.0, *value));
         write!(path, "M{left:.2} {y:.2}H{right:.2}")?;
         let (x, y) = (left - 8.0, y + 4.5);
-        writeln!(labels, r#"<text x="{x:.1}" y="{y:.2}" text-anchor="end">{text}</text>"#)?;
+        writeln!(
+            labels,
+            r#"<text x="{x:.1}" y="{y:.2}" text-anchor="end">{text}</text>"#
+        )?;
     }
-    writeln!(svg, r##"<path d="{path}" stroke="#e8e8e8" stroke-width="1" fill="none"/>"##)?;
+    writeln!(
+        svg,
+        r##"<path d="{path}" stroke="#e8e8e8" stroke-width="1" fill="none"/>"##
+    )?;
     let [zero_x, zero_y] = frame.place((0.0, 0.0));
     let zero = format!("M{left:.2} {zero_y:.2}H{right:.2}M{zero_x:.2} {top:.2}V{bottom:.2}");
-    writeln!(svg, r##"<path d="{zero}" stroke="#b8b8b8" stroke-width="1" fill="none"/>"##)?;
+    writeln!(
+        svg,
+        r##"<path d="{zero}" stroke="#b8b8b8" stroke-width="1" fill="none"/>"##
+    )?;
     let edge = format!("M{left:.2} {top:.2}V{bottom:.2}H{right:.2}");
-    writeln!(svg, r##"<path d="{edge}" stroke="#404040" stroke-width="1" fill="none"/>"##)?;
+    writeln!(
+        svg,
+        r##"<path d="{edge}" stroke="#404040" stroke-width="1" fill="none"/>"##
+    )?;
     writeln!(svg, r##"<g font-size="13" fill="#202020">{labels}</g>"##)?;
     let [x, y] = names.map(place::escape);
     let (middle, low) = (0.5 * (left + right), bottom + 42.0);
@@ -259,7 +274,11 @@ fn grid(
 
 fn curve(svg: &mut String, pieces: &[Vec<Pixel>], pen: Pen) -> std::fmt::Result {
     let (colour, width) = (hex(pen.colour), pen.width);
-    let dashes = if pen.dashed { r#" stroke-dasharray="7 5""# } else { "" };
+    let dashes = if pen.dashed {
+        r#" stroke-dasharray="7 5""#
+    } else {
+        ""
+    };
     for piece in pieces {
         writeln!(
             svg,
@@ -282,7 +301,10 @@ fn pieces(points: &[Point], frame: &Frame) -> Vec<Vec<Pixel>> {
 }
 
 fn text_of(points: &[Pixel]) -> String {
-    let all: Vec<String> = points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect();
+    let all: Vec<String> = points
+        .iter()
+        .map(|[x, y]| format!("{x:.2},{y:.2}"))
+        .collect();
     all.join(" ")
 }
 
@@ -371,7 +393,9 @@ fn ticks([low, high]: [f64; 2], most: usize) -> Vec<(f64, String)> {
     let least = (high - low) / most as f64;
     let decade = 10.0_f64.powf(least.log10().floor());
     let factors = [1.0, 2.0, 5.0, 10.0];
-    let step = factors.into_iter().find(|f| f * decade >= least * (1.0 - 1e-9));
+    let step = factors
+        .into_iter()
+        .find(|f| f * decade >= least * (1.0 - 1e-9));
     let step = step.unwrap_or(10.0) * decade;
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
     let digits = (-step.log10().floor()).max(0.0) as usize;

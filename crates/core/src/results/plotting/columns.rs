@@ -96,7 +96,9 @@ impl ReadHistory {
     pub fn columns(&self) -> Vec<&str> {
         let fixed = crate::model::columns::FIXED.into_iter();
         let numbers = fixed.filter(|name| *name != "procedure");
-        numbers.chain(self.probes.iter().map(String::as_str)).collect()
+        numbers
+            .chain(self.probes.iter().map(String::as_str))
+            .collect()
     }
 }
 
@@ -150,7 +152,11 @@ pub fn columns(
         names: [&names[0], &names[1]],
         band: (&[], ""),
         lines: &lines,
-        labels: if lines.len() <= MOST_LABELS { &labels } else { &[] },
+        labels: if lines.len() <= MOST_LABELS {
+            &labels
+        } else {
+            &[]
+        },
     }
     .svg()
     .map_err(ReadError::Undrawn)
@@ -239,7 +245,10 @@ mod tests {
                 y: vec!["force_kN".to_owned(), "crown_mm".to_owned()],
             };
             let svg = columns("", &[("run", &history)], &of).unwrap();
-            assert!(svg.contains("crown [mm]") && svg.contains("<polyline"), "{x}");
+            assert!(
+                svg.contains("crown [mm]") && svg.contains("<polyline"),
+                "{x}"
+            );
         }
         let of = Columns::default().or_default(&history);
         assert_eq!(of.file_name(), "force_kN_over_displacement_mm");

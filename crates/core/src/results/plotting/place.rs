@@ -59,7 +59,12 @@ pub(crate) fn corner(inside: Rect, size: [f64; 2], lines: &[[Pixel; 2]]) -> Opti
     const GAP: f64 = 10.0;
     let [left, top, right, bottom] = inside.0;
     let (x, y) = (right - GAP - size[0], bottom - GAP - size[1]);
-    let places = [[x, y], [x, top + GAP], [left + GAP, top + GAP], [left + GAP, y]];
+    let places = [
+        [x, y],
+        [x, top + GAP],
+        [left + GAP, top + GAP],
+        [left + GAP, y],
+    ];
     places.into_iter().map(|at| Rect::at(at, size)).find(|at| {
         let wide = at.wider(5.0);
         inside.holds(at) && !lines.iter().any(|line| wide.cuts(*line))
@@ -130,7 +135,9 @@ mod tests {
         let rising = [[0.0, 100.0], [200.0, 0.0]];
         let at = corner(inside, [50.0, 20.0], &[rising]).unwrap();
         assert_eq!(at.0, [140.0, 70.0, 190.0, 90.0]);
-        let everywhere: Vec<_> = (0..20).map(|i| [[0.0, 5.0 * f64::from(i)], [200.0, 5.0 * f64::from(i)]]).collect();
+        let everywhere: Vec<_> = (0..20)
+            .map(|i| [[0.0, 5.0 * f64::from(i)], [200.0, 5.0 * f64::from(i)]])
+            .collect();
         assert_eq!(corner(inside, [50.0, 20.0], &everywhere), None);
         let first = beside([100.0, 50.0], [40.0, 10.0], inside, (&[], &[]));
         assert!(first.0[3] < 50.0);

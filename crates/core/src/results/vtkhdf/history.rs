@@ -161,7 +161,11 @@ impl History {
     ///
     /// # Errors
     /// The file cannot be read or written, or it has another history.
-    pub fn open(file: &hdf5::File, model: &Model, (increment, frames): (usize, usize)) -> hdf5::Result<Self> {
+    pub fn open(
+        file: &hdf5::File,
+        model: &Model,
+        (increment, frames): (usize, usize),
+    ) -> hdf5::Result<Self> {
         let group = file.group(HISTORY)?;
         let rows = until(&group.dataset("increment")?, increment)?;
         let series = |name: &str, length: usize| {

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::shapes::{Kind, Shape};
 use super::MARGIN;
+use super::shapes::{Kind, Shape};
 use crate::results::colours::{CRACKED, CRUSHED, STATE_NAMES, STATES, damaged, hex};
 use crate::results::curve::brief;
 use crate::state;
@@ -32,7 +32,9 @@ impl Widths {
         }
         let decade = 10.0_f64.powf(widest.log10().floor());
         let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
-        let round = factors.map(|f| f * decade).find(|w| *w >= widest * (1.0 - 1e-9));
+        let round = factors
+            .map(|f| f * decade)
+            .find(|w| *w >= widest * (1.0 - 1e-9));
         Self {
             widest: round.unwrap_or(widest),
         }
@@ -95,7 +97,12 @@ impl<'a> Legend<'a> {
             let mut x = MARGIN + HEADINGS;
             for part in [0.1, 0.5, 1.0] {
                 let width = part * self.widths.widest;
-                stroke(svg, [x, y, 28.0], &hex(CRACKED), self.widths.pixels(width, 0.7))?;
+                stroke(
+                    svg,
+                    [x, y, 28.0],
+                    &hex(CRACKED),
+                    self.widths.pixels(width, 0.7),
+                )?;
                 text(svg, x + 38.0, y, &format!("{} mm", short(width)))?;
                 x += 132.0;
             }
@@ -140,10 +147,19 @@ fn damage(svg: &mut String, top: f64) -> std::fmt::Result {
 }
 
 fn text(svg: &mut String, x: f64, top: f64, said: &str) -> std::fmt::Result {
-    writeln!(svg, r#"<text x="{x:.1}" y="{:.1}">{said}</text>"#, top + 12.0)
+    writeln!(
+        svg,
+        r#"<text x="{x:.1}" y="{:.1}">{said}</text>"#,
+        top + 12.0
+    )
 }
 
-fn stroke(svg: &mut String, [x, top, long]: [f64; 3], colour: &str, width: f64) -> std::fmt::Result {
+fn stroke(
+    svg: &mut String,
+    [x, top, long]: [f64; 3],
+    colour: &str,
+    width: f64,
+) -> std::fmt::Result {
     let y = top + 7.5;
     writeln!(
         svg,

@@ -149,7 +149,9 @@ fn scene<'a>(snapshot: &'a Snapshot, look: &Look, scale: f64) -> Scene<'a> {
 }
 
 fn bounds_of(shapes: &[Shape]) -> [f64; 4] {
-    let solids = shapes.iter().filter(|s| matches!(s.kind, Kind::Solid { .. }));
+    let solids = shapes
+        .iter()
+        .filter(|s| matches!(s.kind, Kind::Solid { .. }));
     bounds(solids.flat_map(|s| s.corners.iter().copied()))
 }
 
@@ -206,7 +208,10 @@ fn head(
 
 /// Draws the shapes from far to near.
 fn draw(svg: &mut String, shapes: &[Shape], page: &Page, widths: &Widths) -> std::fmt::Result {
-    writeln!(svg, r#"<g class="wall" stroke-linecap="round" stroke-linejoin="round">"#)?;
+    writeln!(
+        svg,
+        r#"<g class="wall" stroke-linecap="round" stroke-linejoin="round">"#
+    )?;
     for shape in shapes {
         let places = shape.corners.iter().map(|c| page.place(*c));
         let points: Vec<String> = places.map(|[x, y]| format!("{x:.2},{y:.2}")).collect();
@@ -225,9 +230,7 @@ fn draw(svg: &mut String, shapes: &[Shape], page: &Page, widths: &Widths) -> std
             }
             Kind::Crack { width } => line(svg, &points, &hex(CRACKED), widths.pixels(width, 0.7))?,
             Kind::Joint { state, width } => {
-                use crate::state::InterfaceState::{
-                    FailedOpen, FailedSliding, Intact, Softening,
-                };
+                use crate::state::InterfaceState::{FailedOpen, FailedSliding, Intact, Softening};
                 let least = match state {
                     Intact => 0.6,
                     Softening => 1.3,

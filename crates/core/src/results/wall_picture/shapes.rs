@@ -113,7 +113,10 @@ impl Scene<'_> {
 
     fn point(&self, n: u32) -> Place {
         let of = self.snapshot;
-        self.placed(of.surface.points[n as usize], of.surface_displacement[n as usize])
+        self.placed(
+            of.surface.points[n as usize],
+            of.surface_displacement[n as usize],
+        )
     }
 
     fn placed(&self, rest: [f64; 3], moved: [f64; 3]) -> Place {
@@ -183,7 +186,10 @@ impl Scene<'_> {
                 });
             }
         }
-        let front = shapes.iter().map(|s| s.near).fold(f64::NEG_INFINITY, f64::max);
+        let front = shapes
+            .iter()
+            .map(|s| s.near)
+            .fold(f64::NEG_INFINITY, f64::max);
         let slack = 1e-6 * front.abs().max(1.0);
         for (p, quad) in self.snapshot.surface.quads.iter().enumerate() {
             // The two edges of a quarter that lie on the edges of its facet.
@@ -252,7 +258,11 @@ impl Scene<'_> {
         let mesh = &self.snapshot.mesh;
         let [low, high] = mesh.extent(axis);
         // A section of an end face shows the elements behind it.
-        let inner = if at <= low { low + 1e-9 * (high - low) } else { at };
+        let inner = if at <= low {
+            low + 1e-9 * (high - low)
+        } else {
+            at
+        };
         let cut = |a: Place, b: Place| {
             let (s, t) = (a.rest[axis] - inner, b.rest[axis] - inner);
             ((s < 0.0) != (t < 0.0)).then(|| a.between(b, s / (s - t)).now)
@@ -386,7 +396,9 @@ mod tests {
             *u = [0.0, -0.01 * x[2], 0.01 * x[1]];
         }
         let top = |view: &str| {
-            let quads = solids(&of, view.parse().unwrap(), 1.0).into_iter().flatten();
+            let quads = solids(&of, view.parse().unwrap(), 1.0)
+                .into_iter()
+                .flatten();
             quads.map(|c| c[1]).fold(f64::NEG_INFINITY, f64::max)
         };
         assert!((top("front") - 100.0).abs() < 1e-9 && (top("back") - 101.0).abs() < 1e-9);
@@ -396,7 +408,10 @@ mod tests {
     fn a_section_cuts_what_lies_there() {
         let of = snapshot();
         let cut = |axis, at| solids(&of, View::Section { axis, at }, 0.0).len();
-        assert_eq!([cut(0, 50.0), cut(1, 0.0), cut(1, 100.0), cut(2, 30.0)], [1, 2, 2, 2]);
+        assert_eq!(
+            [cut(0, 50.0), cut(1, 0.0), cut(1, 100.0), cut(2, 30.0)],
+            [1, 2, 2, 2]
+        );
         let view = View::Section { axis: 0, at: 101.0 };
         let scene = Scene {
             snapshot: &of,

@@ -62,7 +62,11 @@ impl Symbols {
             let lowest = support.nodes.iter().map(z).fold(f64::INFINITY, f64::min);
             for n in &support.nodes {
                 let below = support.fixed[2] && z(n) <= lowest + 1e-6;
-                let list = if below { &mut self.stands } else { &mut self.held };
+                let list = if below {
+                    &mut self.stands
+                } else {
+                    &mut self.held
+                };
                 list.push(displaced(scene, *n));
             }
         }
@@ -160,7 +164,10 @@ impl Symbols {
             let tall = format!("{} mm", round(z1 - z0));
             dimension(svg, [left, right], page.low + 34.0, &across)?;
             let x = left.min(page.left) - 34.0;
-            writeln!(svg, r#"<g transform="translate({x:.2} {low:.2}) rotate(-90)">"#)?;
+            writeln!(
+                svg,
+                r#"<g transform="translate({x:.2} {low:.2}) rotate(-90)">"#
+            )?;
             dimension(svg, [0.0, low - top], 0.0, &tall)?;
             writeln!(svg, "</g>")?;
         }
@@ -178,7 +185,9 @@ fn displaced(scene: &Scene<'_>, n: u32) -> [f64; 2] {
         scene.snapshot.mesh.nodes[n as usize],
         scene.snapshot.frame.displacement[n as usize],
     );
-    scene.camera.flat([0, 1, 2].map(|i| x[i] + scene.scale * u[i]))
+    scene
+        .camera
+        .flat([0, 1, 2].map(|i| x[i] + scene.scale * u[i]))
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {
@@ -194,7 +203,10 @@ fn spread(of: &[[f64; 2]], page: &Page) -> Vec<[f64; 2]> {
     for [x, y] in places {
         // Sorted by x, so only the last ones can be near.
         let near = kept.iter().rev().take_while(|k| x - k[0] < APART);
-        if near.into_iter().all(|k| (x - k[0]).hypot(y - k[1]) >= APART) {
+        if near
+            .into_iter()
+            .all(|k| (x - k[0]).hypot(y - k[1]) >= APART)
+        {
             kept.push([x, y]);
         }
     }
@@ -250,11 +262,19 @@ fn draw_arrow(
     )?;
     let text = if size < ACROSS {
         // Towards the viewer a point, away a cross: the head and the feathers of an arrow.
-        writeln!(svg, r##"<circle cx="{x:.2}" cy="{y:.2}" r="8" fill="#ffffff"/>"##)?;
+        writeln!(
+            svg,
+            r##"<circle cx="{x:.2}" cy="{y:.2}" r="8" fill="#ffffff"/>"##
+        )?;
         if toward > 0.0 {
             writeln!(svg, r#"<circle cx="{x:.2}" cy="{y:.2}" r="2"/>"#)?;
         } else {
-            writeln!(svg, r#"<path d="M{:.2} {:.2}l11 11m0 -11l-11 11"/>"#, x - 5.5, y - 5.5)?;
+            writeln!(
+                svg,
+                r#"<path d="M{:.2} {:.2}l11 11m0 -11l-11 11"/>"#,
+                x - 5.5,
+                y - 5.5
+            )?;
         }
         [x, y - 13.0]
     } else {
@@ -266,10 +286,17 @@ fn draw_arrow(
         } else {
             dy > 0.0
         };
-        let (tx, ty) = if pushes { (x, y) } else { (x + ARROW * dx, y + ARROW * dy) };
+        let (tx, ty) = if pushes {
+            (x, y)
+        } else {
+            (x + ARROW * dx, y + ARROW * dy)
+        };
         let (sx, sy) = (tx - ARROW * dx, ty - ARROW * dy);
         let head = |side: f64| {
-            let (px, py) = (tx - 10.0 * dx - side * 4.5 * dy, ty - 10.0 * dy + side * 4.5 * dx);
+            let (px, py) = (
+                tx - 10.0 * dx - side * 4.5 * dy,
+                ty - 10.0 * dy + side * 4.5 * dx,
+            );
             format!("{px:.2},{py:.2}")
         };
         writeln!(
@@ -281,10 +308,16 @@ fn draw_arrow(
             head(-1.0)
         )?;
         let outer = if pushes { [sx, sy] } else { [tx, ty] };
-        [outer[0], outer[1] - if dy.abs() > dx.abs() { 6.0 } else { 10.0 }]
+        [
+            outer[0],
+            outer[1] - if dy.abs() > dx.abs() { 6.0 } else { 10.0 },
+        ]
     };
     let mut at = text;
-    while taken.iter().any(|t| (t[0] - at[0]).abs() < 70.0 && (t[1] - at[1]).abs() < 14.0) {
+    while taken
+        .iter()
+        .any(|t| (t[0] - at[0]).abs() < 70.0 && (t[1] - at[1]).abs() < 14.0)
+    {
         at[1] -= 14.0;
     }
     taken.push(at);

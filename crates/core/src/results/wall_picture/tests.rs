@@ -73,7 +73,10 @@ fn a_joint_shows_its_state_and_opening() {
     let svg = wall_picture(&of, None, &look).unwrap();
     // 9 px for 0.2 mm, a quarter of it for 0.05 mm.
     for width in ["9.00", "2.25"] {
-        let open = format!(r#"stroke="{}" stroke-width="{width}""#, hex(colours::STATES[2]));
+        let open = format!(
+            r#"stroke="{}" stroke-width="{width}""#,
+            hex(colours::STATES[2])
+        );
         assert_eq!(svg.matches(&open).count(), 1, "{width}");
     }
 }
@@ -89,13 +92,19 @@ fn both_faces_show_the_joint() {
         let x = line.split('M').nth(1).unwrap().split(',').next().unwrap();
         x.parse::<f64>().unwrap()
     });
-    assert!((places[0] + places[1] - WIDTH).abs() < 0.1 * WIDTH, "{places:?}");
+    assert!(
+        (places[0] + places[1] - WIDTH).abs() < 0.1 * WIDTH,
+        "{places:?}"
+    );
     assert!((places[0] - places[1]).abs() > 1.0);
 }
 
 #[test]
 fn dimensions_and_the_scale_are_of_the_wall_at_rest() {
     let svg = picture(&snapshot(), View::default());
-    assert!(svg.contains(">202 mm<") && svg.contains(">100 mm<"), "{svg}");
+    assert!(
+        svg.contains(">202 mm<") && svg.contains(">100 mm<"),
+        "{svg}"
+    );
     assert!(!picture(&snapshot(), "iso".parse().unwrap()).contains(">202 mm<"));
 }

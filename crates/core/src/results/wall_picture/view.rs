@@ -53,7 +53,10 @@ impl View {
     pub fn section(text: &str) -> Result<Self, String> {
         let wrong = || format!("`{text}` is no section: expected an axis and mm, e.g. y=125");
         let (axis, at) = text.split_once('=').ok_or_else(wrong)?;
-        let axis = AXES.iter().position(|a| *a == axis.trim()).ok_or_else(wrong)?;
+        let axis = AXES
+            .iter()
+            .position(|a| *a == axis.trim())
+            .ok_or_else(wrong)?;
         let at = at.trim().trim_end_matches("mm").trim_end();
         let at: f64 = at.parse().map_err(|_| wrong())?;
         if at.is_finite() {

@@ -13,6 +13,7 @@ import os
 import pickle
 import queue
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -45,6 +46,23 @@ def leave_import() -> None:
         raise SystemExit(UNGUARDED)
 
 
+def check_script() -> None:
+    """Rejects a script that cannot be imported by workers, before they start and write long tracebacks: one that knows
+    nothing of ``__name__`` starts the study again."""
+    leave_import()
+    main = sys.modules.get("__main__")
+    path = getattr(main, "__file__", None)
+    if path is None or getattr(main, "__spec__", None) is not None:
+        return
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    except (OSError, UnicodeDecodeError):
+        return
+    if "__name__" not in text and "parent_process" not in text:
+        raise WorkerBroken(GUARD)
+
+
 class WorkerDied(Exception):
     """The process of a call has died."""
 
@@ -62,7 +80,7 @@ class Workers(Executor):
     """
 
     def __init__(self, count: int | None = None) -> None:
-        leave_import()
+        check_script()
         if count is None:
             count = os.cpu_count() or 1
         self._max_workers = whole("count", count, 1)
