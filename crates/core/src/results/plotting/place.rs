@@ -80,7 +80,7 @@ pub(crate) fn beside(
     (lines, taken): (&[[Pixel; 2]], &[Rect]),
 ) -> Rect {
     let mut best: Option<(usize, Rect)> = None;
-    for away in [8.0, 18.0, 32.0, 50.0, 75.0, 110.0] {
+    for away in [8.0, 18.0, 32.0, 50.0] {
         let (above, below) = (y - away - tall, y + away);
         let (right, left) = (x + away, x - away - width);
         for corner in [

@@ -137,6 +137,10 @@ impl Symbols {
 
     /// Draws what the wall covers.
     pub fn behind(&self, svg: &mut String, page: &Page) -> std::fmt::Result {
+        if self.rest.is_none() {
+            // Seen obliquely, most held nodes are hidden.
+            self.draw_held(svg, page)?;
+        }
         let mut path = String::new();
         for [x, y] in spread(&self.stands, page) {
             write!(path, "M{x:.2} {y:.2}l-5 9h10z")?;
@@ -150,13 +154,20 @@ impl Symbols {
         )
     }
 
-    /// Draws what lies before the wall and around it.
-    pub fn before(&self, svg: &mut String, page: &Page) -> std::fmt::Result {
+    fn draw_held(&self, svg: &mut String, page: &Page) -> std::fmt::Result {
         for [x, y] in spread(&self.held, page) {
             writeln!(
                 svg,
                 r##"<circle class="support" cx="{x:.2}" cy="{y:.2}" r="2.8" fill="#ffffff" stroke="{SUPPORT}" stroke-width="1"/>"##
             )?;
+        }
+        Ok(())
+    }
+
+    /// Draws what lies before the wall and around it.
+    pub fn before(&self, svg: &mut String, page: &Page) -> std::fmt::Result {
+        if self.rest.is_some() {
+            self.draw_held(svg, page)?;
         }
         if let Some([x0, z0, x1, z1]) = self.rest {
             let ([left, top], [right, low]) = (page.place([x0, z1]), page.place([x1, z0]));
