@@ -10,8 +10,10 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use wythe_core::deck::{specimens, templates};
 
-use results::{COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, MODES_HELP, PLOT_HELP};
-pub use results::{Compare, Evaluate, Export, Format, Frames, Info, Modes, Plot};
+use results::{
+    ANIMATE_HELP, COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, MODES_HELP, PLOT_HELP,
+};
+pub use results::{Animate, Compare, Evaluate, Export, Format, Frames, Info, Modes, Plot};
 pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
 
 /// Computes the collapse of masonry walls by the detailed micro-model.
@@ -214,9 +216,12 @@ pub enum Command {
     /// Show a run on one HTML page.
     #[command(after_help = REPORT_HELP)]
     Report(ReportPage),
-    /// Draw a run: curves beside experiments and other runs, cracks, deflections.
+    /// Draw a run: curves beside experiments and other runs, columns of the history, cracks, deflections.
     #[command(after_help = PLOT_HELP)]
     Plot(Plot),
+    /// Animate a run: the deformed wall with its cracks frame by frame, and the curve beside it.
+    #[command(after_help = ANIMATE_HELP)]
+    Animate(Animate),
     /// Compare a run with an experiment, in numbers.
     #[command(after_help = COMPARE_HELP)]
     Compare(Compare),

@@ -124,7 +124,10 @@ impl From<OutputError> for Failure {
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         match error {
-            ReadError::NoFrame { .. } => Self::model(error),
+            ReadError::NoFrame { .. }
+            | ReadError::NoColumn { .. }
+            | ReadError::NoSection { .. }
+            | ReadError::Undrawn(_) => Self::model(error),
             error => Self::input_output(error),
         }
     }

@@ -118,6 +118,7 @@ fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> Told
         Some(Status::Completed) => "completed; the folder is whole",
         Some(Status::Collapsed) => "collapsed; the folder is whole",
         Some(Status::NotConverged) => "not converged; all up to there is whole",
+        Some(Status::Stopped) => "stopped by a callback; all up to there is whole",
         Some(Status::Interrupted) => "interrupted; all up to there is whole",
         None => "no summary: the run goes on, was killed, or could not write",
     };

@@ -108,6 +108,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Salvage(arguments) => salvage::salvage(arguments),
         Command::Report(arguments) => report::report(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
+        Command::Animate(arguments) => plot::animate(arguments),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Calibrate(_) => Err(Failure::Model(miette::miette!(
             help = "pip install 'wythe[study]' brings a `wythe` command that has it: docs/how-to/calibrate-parameters.md",

@@ -136,7 +136,7 @@ fn conclude(
     // The end of the run matters more than a failure of standard output.
     match summary.status {
         Status::Completed | Status::Collapsed => printed,
-        Status::Interrupted => Err(Failure::Interrupted),
+        Status::Interrupted | Status::Stopped => Err(Failure::Interrupted),
         Status::NotConverged => Err(Failure::NotConverged(miette::miette!(
             help = "everything up to there is in the folder of results",
             "not converged: {}",
@@ -157,6 +157,14 @@ impl Recorder for Watched<'_> {
         let go_on = self.directory.take(model, row, frame)?;
         self.terminal.increment(row);
         Ok(go_on && !self.interrupt.requested())
+    }
+
+    fn wants_fields(&self) -> bool {
+        self.directory.wants_fields()
+    }
+
+    fn keep(&mut self, model: &Model, fields: Frame) {
+        self.directory.keep(model, fields);
     }
 
     fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> io::Result<()> {

@@ -161,6 +161,88 @@ fn pictures_are_drawn_beside_experiments_and_other_runs() {
     }
 }
 
+/// Columns over each other, either face, a section and an oblique view, each with its own file.
+#[test]
+fn columns_faces_and_sections_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = text(folder.path());
+    let drawn = |more: &[&str]| {
+        let output = wythe(&[&["plot", &text(run()), "--out", &out], more].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        said(&output).lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let read = |name: &str| std::fs::read_to_string(name).unwrap();
+    let of = ["--x", "time", "--y", "force_kN", "--y", "external_work_J"];
+    let columns = drawn(&of);
+    assert_eq!(columns.len(), 1, "{columns:?}");
+    assert!(columns[0].ends_with("force_kN_and_more_over_time.svg"));
+    let svg = read(&columns[0]);
+    assert!(svg.contains("time [s]") && svg.contains("external work [J]"));
+    // Curves have hundredths of a pixel.
+    let line = svg.split("<polyline points=\"").nth(1).unwrap();
+    assert!(line.split(' ').take(20).any(|point| !point.contains(".00")));
+    let wall = |more: &[&str], ending: &str| {
+        let files = drawn(more).into_iter();
+        let cracks: Vec<String> = files.filter(|f| f.contains("cracks_")).collect();
+        assert!(cracks[0].ends_with(ending), "{cracks:?}");
+        read(&cracks[0])
+    };
+    let front = wall(&["--scale", "50"], ".svg");
+    let back = wall(&["--face", "back", "--scale", "50"], "_back.svg");
+    assert!(front.contains("displacements × 50") && front.contains("class=\"support\""));
+    assert!(back.contains("seen from +y") && back != front);
+    wall(&["--view", "iso"], "_iso.svg");
+    wall(&["--view=-20,30"], "_-20_30.svg");
+    let section = wall(&["--section", "y=25"], "_y25.svg");
+    assert!(section.contains("section y = 25 mm"));
+}
+
+#[test]
+fn an_animation_has_a_frame_for_each_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let [gif, pictures] = ["a.gif", "pictures"].map(|name| text(&folder.path().join(name)));
+    let small = ["animate", &text(run()), "--width", "120", "--most", "4"];
+    let output = wythe(&[&small[..], &["--out", &gif]].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(std::fs::read(&gif).unwrap().starts_with(b"GIF89a"));
+    let output = wythe(&[&small[..], &["--png", "--out", &pictures, "--view", "iso"]].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(said(&output).lines().count(), 4);
+    assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 4);
+}
+
+#[test]
+fn what_cannot_be_drawn_is_said() {
+    let run = text(run());
+    for (arguments, wanted) in [
+        (&["plot", &run, "--y", "force_kn"][..], "`force_kN`"),
+        (&["plot", &run, "--x", "procedure"], "no column `procedure`"),
+        (
+            &["plot", &run, "--section", "z=9999"],
+            "no part of the model lies at z = 9999",
+        ),
+        (
+            &["animate", &run, "--section", "x=-5"],
+            "the model reaches from x =",
+        ),
+        (&["plot", &run, "--section", "5"], "expected an axis and mm"),
+        (&["plot", &run, "--face", "iso"], "expected front, back"),
+        (
+            &["plot", &run, "--face", "back", "--view", "iso"],
+            "cannot be used with",
+        ),
+        (&["animate", &run, "--frame", "1"], "--frame"),
+    ] {
+        let output = wythe(arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(
+            stderr(&output).contains(wanted),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+    }
+}
+
 #[test]
 fn a_run_is_its_own_equal_in_text_and_json() {
     let history = text(&run().join("history.csv"));

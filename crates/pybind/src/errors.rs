@@ -154,6 +154,10 @@ pub fn of_reading(py: Python<'_>, error: &ReadError) -> PyErr {
     match error {
         ReadError::NoFrame { .. } => raise(py, "_no_frame", (error.to_string(), advice(error))),
         ReadError::Read { why, .. } => output(py, error, Some(why)),
+        ReadError::NoColumn { .. } | ReadError::NoSection { .. } | ReadError::Undrawn(_) => {
+            let advice = advice(error);
+            pyo3::exceptions::PyValueError::new_err(format!("{error}; {advice}"))
+        }
         error => output(py, error, None),
     }
 }

@@ -8,15 +8,19 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wythe_core::files::write_whole;
 use wythe_core::results;
+use wythe_core::results::animation::{self, Animation};
 use wythe_core::results::answers::Backbone;
 use wythe_core::results::comparison::points_of;
-use wythe_core::results::elevation::crack_pattern_of;
 use wythe_core::results::export::{frame_name, table, vtu};
 use wythe_core::results::mcap::salvage::salvage as rescue;
+use wythe_core::results::plotting::columns::{self, columns};
 use wythe_core::results::plotting::deflection::{Along, Deflection, deflections, main_axis};
 use wythe_core::results::plotting::{self, Line, load_displacements};
 use wythe_core::results::snapshot::Snapshots;
-use wythe_core::results::{Experiment, FrameChoice, ReadError, Report, RunFolder, Snapshot};
+use wythe_core::results::wall_picture::{Look, View, wall_picture};
+use wythe_core::results::{
+    Experiment, FrameChoice, ReadError, ReadHistory, Report, RunFolder, Snapshot,
+};
 use wythe_core::state::HistoryRow;
 
 use crate::arrays::{flat, rows};
@@ -202,7 +206,125 @@ fn choice(frame: &str) -> PyResult<FrameChoice> {
         .map_err(|why: String| PyValueError::new_err(format!("frame = {frame}: {why}")))
 }
 
-/// Draws `curves`, `cracks`, `deflection_height` or `deflection_length` of runs as SVG; the first run decides the
+/// A view by its word, or a section as `y=125`.
+fn look(view: &str, scale: Option<f64>) -> PyResult<Look> {
+    let read = if view.contains('=') {
+        View::section(view)
+    } else {
+        view.parse()
+    };
+    Ok(Look {
+        view: read.map_err(PyValueError::new_err)?,
+        scale,
+        window: None,
+    })
+}
+
+/// Draws the wall at a frame as SVG. `view`: a face, a direction, or a section as `y=125`.
+#[pyfunction]
+#[pyo3(signature = (folder, frame, view, scale))]
+pub fn wall(
+    py: Python<'_>,
+    folder: PathBuf,
+    frame: &str,
+    view: &str,
+    scale: Option<f64>,
+) -> PyResult<String> {
+    let (frame, look) = (choice(frame)?, look(view, scale)?);
+    let drawn = py.detach(|| {
+        let folder = RunFolder::open(&folder)?;
+        let snapshot = Snapshots::open(&folder)?.at(frame)?;
+        wall_picture(&snapshot, folder.model().as_ref(), &look)
+    });
+    drawn.map_err(|error| errors::of_reading(py, &error))
+}
+
+/// Draws columns of the history of runs as SVG.
+#[pyfunction]
+#[pyo3(signature = (runs, x, y))]
+pub fn columns_picture(
+    py: Python<'_>,
+    runs: Vec<(String, PathBuf)>,
+    x: Option<String>,
+    y: Vec<String>,
+) -> PyResult<String> {
+    let of = columns::Columns { x, y };
+    let drawn = py.detach(|| histories(&runs).and_then(|all| of_columns(&runs, &all, &of)));
+    drawn.map_err(|error| errors::of_reading(py, &error))
+}
+
+/// Columns of a run that are drawn by default: that of x, and those of y.
+#[pyfunction]
+pub fn default_columns(py: Python<'_>, folder: PathBuf) -> PyResult<(String, Vec<String>)> {
+    let read = py.detach(|| RunFolder::open(&folder)?.history());
+    let read = read.map_err(|error| errors::of_reading(py, &error))?;
+    let of = columns::Columns::default().or_default(&read);
+    Ok((of.x.unwrap_or_default(), of.y))
+}
+
+/// Values of a column of numbers, with the name of its axis.
+#[pyfunction]
+pub fn history_column(py: Python<'_>, folder: PathBuf, name: &str) -> PyResult<String> {
+    let read = py.detach(|| RunFolder::open(&folder)?.history()?.column(name));
+    read.map_err(|error| errors::of_reading(py, &error))?;
+    Ok(columns::axis(name))
+}
+
+/// Writes an animation as GIF. `drawn`: width [px], time of a frame [s], with the curve or without, largest number of
+/// frames.
+#[pyfunction]
+#[pyo3(signature = (folder, out, view, scale, drawn))]
+pub fn animate(
+    py: Python<'_>,
+    folder: PathBuf,
+    out: PathBuf,
+    view: &str,
+    scale: Option<f64>,
+    drawn: (u32, f64, bool, usize),
+) -> PyResult<()> {
+    let (width, delay, curve, most) = drawn;
+    let of = Animation {
+        look: look(view, scale)?,
+        width,
+        delay,
+        curve,
+        most,
+    };
+    let bytes = py.detach(|| {
+        let folder = RunFolder::open(&folder)?;
+        animation::gif(&Snapshots::open(&folder)?, folder.model().as_ref(), &of)
+    });
+    let bytes = bytes.map_err(|error| errors::of_reading(py, &error))?;
+    py.detach(|| write_whole(&out, &bytes))
+        .map_err(|why| errors::of_path(py, &out, why))
+}
+
+fn histories(runs: &[(String, PathBuf)]) -> Result<Vec<ReadHistory>, ReadError> {
+    let read = |(_, path): &(String, PathBuf)| RunFolder::open(path)?.history();
+    runs.iter().map(read).collect()
+}
+
+fn of_columns(
+    runs: &[(String, PathBuf)],
+    histories: &[ReadHistory],
+    of: &columns::Columns,
+) -> Result<String, ReadError> {
+    let names = runs.iter().map(|(name, _)| name.as_str());
+    let named: Vec<(&str, &ReadHistory)> = names.zip(histories).collect();
+    columns(&title(runs)?, &named, of)
+}
+
+/// Title of the first run; empty if it has no fields yet.
+fn title(runs: &[(String, PathBuf)]) -> Result<String, ReadError> {
+    let Some((_, first)) = runs.first() else {
+        return Ok(String::new());
+    };
+    let fields = RunFolder::open(first)?.fields().ok();
+    let title = fields.and_then(|f| f.title_and_version().ok());
+    Ok(title.map_or_else(String::new, |(title, _)| title))
+}
+
+/// Draws `curves`, `deflection_height` or `deflection_length` of runs as SVG; the first run decides the
 /// view.
 #[pyfunction]
 pub fn picture(
@@ -232,13 +354,18 @@ fn draw(
     frame: FrameChoice,
 ) -> Result<Result<String, String>, ReadError> {
     let open = |path: &PathBuf| RunFolder::open(path);
-    let Some((_, first)) = runs.first() else {
+    if runs.is_empty() {
         return Ok(Err("there is no run to draw".to_owned()));
-    };
+    }
     if kind == "curves" {
+        let histories = histories(runs)?;
+        let still = histories.iter().all(|h| h.curve().points().is_empty());
+        if still && experiments.is_empty() {
+            return of_columns(runs, &histories, &columns::Columns::default()).map(Ok);
+        }
         let mut lines = Vec::new();
-        for (name, path) in runs {
-            let curve = open(path)?.history()?.curve();
+        for ((name, _), history) in runs.iter().zip(&histories) {
+            let curve = history.curve();
             let peak = curve.peak().map(|p| (p.displacement, p.force));
             lines.push(Line {
                 name: name.clone(),
@@ -246,10 +373,7 @@ fn draw(
                 marks: peak.into_iter().collect(),
             });
         }
-        let fields = open(first)?.fields().ok();
-        let title = fields.and_then(|f| f.title_and_version().ok());
-        let title = title.map_or_else(String::new, |(title, _)| title);
-        return Ok(load_displacements(&title, &lines, experiments));
+        return Ok(load_displacements(&title(runs)?, &lines, experiments));
     }
     let snapshots: Vec<(&str, Snapshot)> = runs
         .iter()
@@ -257,7 +381,6 @@ fn draw(
         .collect::<Result<_, ReadError>>()?;
     let leading = &snapshots[0].1;
     let along = match kind {
-        "cracks" => return Ok(Ok(crack_pattern_of(leading))),
         "deflection_height" => Along::Height,
         "deflection_length" => Along::Length,
         _ => return Ok(Err(format!("there is no picture `{kind}`"))),

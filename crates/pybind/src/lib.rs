@@ -30,8 +30,9 @@ mod _wythe {
     use crate::fields::Fields;
     #[pymodule_export]
     use crate::folder::{
-        answers, at_drifts, collection, compare, error_lines, experiment, export_frame, figures,
-        history, picture, png, report, salvage, summary, time_of_peak,
+        animate, answers, at_drifts, collection, columns_picture, compare, default_columns,
+        error_lines, experiment, export_frame, figures, history, history_column, picture, png,
+        report, salvage, summary, time_of_peak, wall,
     };
     #[pymodule_export]
     use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};

@@ -19,7 +19,7 @@ use wythe_core::results::estimate::{self, Prepared};
 use wythe_core::results::{Resumed, RunDirectory, StoppedRun, SummaryFile};
 use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
-use wythe_core::state::{Frame, HistoryRow, Summary};
+use wythe_core::state::{Frame, HistoryRow, Status, Summary};
 
 use crate::errors::{self, from_json};
 use crate::laws::{Failure, Laws};
@@ -60,6 +60,14 @@ impl Recorder for Told<'_> {
             wanted = sent.is_ok() && answers.recv().unwrap_or(false);
         }
         Ok(go_on && wanted && !self.stop.load(Ordering::SeqCst))
+    }
+
+    fn wants_fields(&self) -> bool {
+        self.directory.wants_fields()
+    }
+
+    fn keep(&mut self, model: &Model, fields: Frame) {
+        self.directory.keep(model, fields);
     }
 
     fn checkpoint(&mut self, last: bool, make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
@@ -218,7 +226,12 @@ fn record<'py>(
             .map(|(ended, directory)| (ended, directory, raised))
             .map_err(|_| errors::bug("the solver panicked"))
     })?;
-    let summary = ended.map_err(|error| errors::of_run(py, error))?;
+    let mut summary = ended.map_err(|error| errors::of_run(py, error))?;
+    // Without a signal or an exception, only the answer of the callback ends a run early.
+    if summary.status == Status::Interrupted && !stop.load(Ordering::SeqCst) {
+        summary.status = Status::Stopped;
+        "stopped by the callback".clone_into(&mut summary.message);
+    }
     py.detach(|| directory.finish(model, &summary, &output.warnings))
         .map_err(|error| errors::of_output(py, &error))?;
     raised.map_or(Ok(()), Err)

@@ -58,7 +58,7 @@ def test_the_command_runs_as_the_package(deck: Path, python_run: wythe.Results) 
 def test_one_resumes_what_the_other_began(deck: Path, python_run: wythe.Results) -> None:
     out = deck.parent / "half.out"
     half = wythe.Model.from_toml(deck).run(out, callback=lambda row: row.increment < 20)
-    assert half.status == "interrupted"
+    assert half.status == "stopped"
     done = python("-m", "wythe", "resume", str(out), "--quiet")
     assert done.returncode == 0, done.stderr
     assert wythe.Results(out).status == "completed"

@@ -40,10 +40,11 @@ def test_a_run_states_its_error(model: wythe.Model, tmp_path: Path) -> None:
 
 def test_a_run_that_was_stopped_has_no_error(model: wythe.Model) -> None:
     run = model.run(error=True, callback=lambda row: row.increment < 3)
-    assert run.status == "interrupted"
+    assert run.status == "stopped"
     assert run.error_estimate["peak_force_kN"] is None
     assert run.error_lines == [
-        f"error by {part} not estimated: the run itself was interrupted" for part in ("time", "mesh")
+        f"error by {part} not estimated: the run itself was stopped by a callback"
+        for part in ("time", "mesh")
     ]
 
 

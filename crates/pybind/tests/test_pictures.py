@@ -26,8 +26,47 @@ def test_every_picture(wall: wythe.Results, measured: Path) -> None:
     assert "<svg" in bent.picture("deflection_length", frame=-1).svg
 
 
+def test_faces_sections_and_columns(wall: wythe.Results) -> None:
+    front, back = wall.picture("cracks", scale=50), wall.picture("cracks", face="back", scale=50)
+    assert "displacements × 50" in front.svg and "seen from +y" in back.svg
+    middle = float(wall.nodes[:, 1].mean())
+    section = wall.picture("cracks", section=f"y={middle}")
+    assert "section y" in section.svg
+    assert wall.picture("cracks", view="iso").svg != wall.picture("cracks", view=(10, 5)).svg
+    columns = wall.picture("columns", x="time", y=["force_kN", "elastic_energy_J"])
+    assert "elastic energy [J]" in columns.svg and "time [s]" in columns.svg
+    axes = wall.plot(x="time", y="elastic_energy_J")
+    assert axes.get_ylabel() == "elastic energy [J]"
+    np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), wall.history["time"])
+
+
+def test_an_animation_is_a_gif(wall: wythe.Results, tmp_path: Path) -> None:
+    name = wall.animate(tmp_path / "wall.gif", view="iso", width=160, most=3)
+    assert Path(name).read_bytes().startswith(b"GIF89a")
+    with pytest.raises(ValueError, match="width from 50"):
+        wall.animate(tmp_path / "wall.gif", width=1)
+
+
+def test_the_frame_of_the_peak_is_the_peak(wall: wythe.Results) -> None:
+    force = wall.history["force_kN"]
+    assert wall.frame("peak").increment == wall.history["increment"][np.argmax(force)]
+
+
+def test_views_and_columns_that_are_none(wall: wythe.Results) -> None:
+    with pytest.raises(ValueError, match="no column `force`"):
+        wall.picture("columns", y="force")
+    with pytest.raises(ValueError, match="no column `elastic_energy`"):
+        wall.plot(y="elastic_energy")
+    with pytest.raises(ValueError, match="no part of the model lies at y = -1 mm"):
+        wall.picture("cracks", section="y=-1")
+    with pytest.raises(ValueError, match="is no view"):
+        wall.picture("cracks", view="behind")
+    with pytest.raises(ValueError, match="expected one of them"):
+        wall.picture("cracks", face="back", view="iso")
+
+
 def test_pictures_that_are_none(wall: wythe.Results) -> None:
-    with pytest.raises(ValueError, match="kind: expected one of curves, cracks, .*got 'crack'"):
+    with pytest.raises(ValueError, match="kind: expected one of curves, columns, cracks, .*got 'crack'"):
         wall.picture("crack")  # type: ignore[arg-type]
     with pytest.raises(IndexError, match="there is no frame 99"):
         wall.picture("cracks", frame=99)

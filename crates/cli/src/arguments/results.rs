@@ -5,12 +5,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use wythe_core::results::FrameChoice;
+use wythe_core::results::wall_picture::{Look, View};
 
 use super::ModelArguments;
 
 pub(super) const PLOT_HELP: &str = "\
-Writes curves.svg, cracks_N.svg (deformed, with tensile damage, crushing and failed joints), \
-deflection_height.svg and, of a wall bent out of its plane, deflection_length.svg.
+Writes curves.svg (of a run without a drive: its probes over time), cracks_N.svg (deformed, with tensile \
+damage, crushing, joints, crack widths, supports and loads), deflection_height.svg and, of a wall bent out \
+of its plane, deflection_length.svg. With --x or --y it writes the picture of these columns only.
 
 An experiment is a CSV file whose header names a column of displacement (mm, cm, m) and one of force \
 (N, kN, MN); # begins a comment. A cyclic one is drawn with its envelope, several with the band \
@@ -18,8 +20,22 @@ between them.
 
 Examples:
   wythe plot wall.out --frame peak --png
+  wythe plot wall.out --x time --y external_work_J --y elastic_energy_J
+  wythe plot wall.out --face back --scale 100
+  wythe plot wall.out --section y=125
+  wythe plot wall.out --view iso --png
   wythe plot wall.out --compare SW1001.csv --compare SW1002.csv
   wythe plot wall.out --against fine.out --against elastic.out --out pictures";
+
+pub(super) const ANIMATE_HELP: &str = "\
+Writes DIR/plots/animation.gif: the wall at every frame at one scale, with the curve and its present point \
+beside it. --png writes the pictures instead, as DIR/plots/animation_N.png.
+
+Examples:
+  wythe animate wall.out
+  wythe animate wall.out --view iso --scale 50 --out wall.gif
+  wythe animate wall.out --section x=600 --width 640 --most 40
+  wythe animate wall.out --png";
 
 pub(super) const COMPARE_HELP: &str = "\
 Peak, stiffness, area, displacement and drift at 80 % of the peak after it, of both and their ratio, \
@@ -99,10 +115,89 @@ pub struct Plot {
     /// Frame of cracks and deflections: its number from 0, peak, or last.
     #[arg(long, value_name = "FRAME", default_value = "last")]
     pub frame: FrameChoice,
+    /// Column of history.csv along x [default: displacement_mm; time without a drive].
+    #[arg(long, value_name = "COLUMN")]
+    pub x: Option<String>,
+    /// Column of history.csv along y (repeatable) [default: force_kN; the probes without a drive].
+    #[arg(long, value_name = "COLUMN", num_args = 1..)]
+    pub y: Vec<String>,
+    #[command(flatten)]
+    pub view: ViewArguments,
     /// Folder for the pictures [default: DIR/plots].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Also write PNG, twice as large.
+    #[arg(long)]
+    pub png: bool,
+}
+
+/// Face, section or direction of a picture of the wall.
+#[derive(Clone, Debug, Args)]
+pub struct ViewArguments {
+    /// Face of the wall: front (y = min), back, left, right or top.
+    #[arg(long, value_name = "FACE", value_parser = face, group = "seen")]
+    pub face: Option<View>,
+    /// Section normal to an axis at rest [mm], e.g. y=125.
+    #[arg(long, value_name = "AXIS=MM", value_parser = View::section, group = "seen")]
+    pub section: Option<View>,
+    /// Direction of the view: iso, or degrees around from the front and above, e.g. 35,25.
+    #[arg(long, value_name = "VIEW", group = "seen", allow_hyphen_values = true)]
+    pub view: Option<View>,
+    /// Magnification of the displacements [default: a round one].
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    pub scale: Option<f64>,
+}
+
+impl ViewArguments {
+    /// How to draw the wall.
+    pub fn look(&self) -> Look {
+        let view = self.face.or(self.section).or(self.view);
+        Look {
+            view: view.unwrap_or_default(),
+            scale: self.scale,
+            window: None,
+        }
+    }
+}
+
+/// Reads a face by its name.
+fn face(text: &str) -> Result<View, String> {
+    if ["front", "back", "left", "right", "top"].contains(&text) {
+        return text.parse();
+    }
+    Err("expected front, back, left, right or top".to_owned())
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(factor) if factor >= 0.0 && f64::is_finite(factor) => Ok(factor),
+        _ => Err("expected a number from 0, e.g. 50".to_owned()),
+    }
+}
+
+/// `wythe animate`
+#[derive(Debug, Args)]
+pub struct Animate {
+    /// Folder of the run.
+    pub folder: PathBuf,
+    #[command(flatten)]
+    pub view: ViewArguments,
+    /// File to write [default: DIR/plots/animation.gif]; a folder with --png.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Width of the picture [px].
+    #[arg(long, value_name = "PX", default_value_t = 960, value_parser = clap::value_parser!(u32).range(50..=4000))]
+    pub width: u32,
+    /// Time that each frame is shown [s].
+    #[arg(long, value_name = "S", default_value = "0.15", value_parser = positive)]
+    pub delay: f64,
+    /// Largest number of frames, at even distances.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    pub most: u32,
+    /// Leave out the curve.
+    #[arg(long)]
+    pub no_curve: bool,
+    /// Write a PNG for each frame instead.
     #[arg(long)]
     pub png: bool,
 }

@@ -85,7 +85,7 @@ pub fn judge(terms: Terms<'_>, short: bool, run: &Ended) -> (Verdict, Vec<Measur
     }
     let (error, told) = compare(terms.expect, short, &history, &mut wrong);
     let verdict = match (run.status, terms.status) {
-        (Status::Interrupted, _) => Verdict::Stopped(run.place()),
+        (Status::Interrupted | Status::Stopped, _) => Verdict::Stopped(run.place()),
         (Status::NotConverged, End::Completed) => {
             Verdict::Diverged(run.place(), reason(&run.message).to_owned())
         }

@@ -94,6 +94,14 @@ impl<R: Recorder> Recorder for Kept<'_, R> {
         Ok(go_on && Instant::now() < self.ends && !(self.stop)())
     }
 
+    fn wants_fields(&self) -> bool {
+        self.recorder.wants_fields()
+    }
+
+    fn keep(&mut self, model: &Model, fields: Frame) {
+        self.recorder.keep(model, fields);
+    }
+
     fn note(&mut self, text: &str) {
         self.recorder.note(text);
     }

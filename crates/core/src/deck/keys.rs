@@ -283,7 +283,7 @@ pub(super) fn line_at(path: &str) -> Option<&'static str> {
 }
 
 /// The known name nearest to a misspelt one, if it is near enough.
-pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let allowed = ((length + 1) / 3).max(1);
     if length > LONGEST_MEANT {

@@ -18,6 +18,7 @@ use super::output::CHECKPOINT;
 use crate::deck::Deck;
 use crate::files::{self, Extent, write_whole};
 use crate::solve::Checkpoint;
+use crate::state::Frame;
 
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";
@@ -47,6 +48,9 @@ pub struct CheckpointFile {
     pub wall_s: f64,
     /// CPU time of the run so far [s]; `None` if the system does not report it.
     pub cpu_s: Option<f64>,
+    /// Index in the load-displacement curve, and fields, of the largest force so far, while the field file has no frame
+    /// of it.
+    pub peak: Option<(usize, Frame)>,
     /// State of the solver.
     pub solver: Checkpoint,
 }

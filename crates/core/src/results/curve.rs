@@ -281,6 +281,16 @@ pub(super) fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
     }
 }
 
+/// Four significant digits without an exponent: peaks lie between micrometres (couplets) and millimetres (walls).
+pub(super) fn brief(value: f64) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        3 - value.abs().log10().floor() as i32
+    };
+    format!("{value:.*}", digits.clamp(0, 9) as usize)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -440,5 +450,17 @@ mod tests {
         assert_eq!(snaps(true).peak().unwrap().force, 12.0);
         // If the deck asks for inertia, its forces count.
         assert_eq!(snaps(false).peak().unwrap().force, 15.0);
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        for (value, text) in [
+            (0.003125, "0.003125"),
+            (-1.9, "-1.900"),
+            (12345.6, "12346"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(brief(value), text);
+        }
     }
 }

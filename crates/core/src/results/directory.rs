@@ -14,7 +14,8 @@ use super::output::{
     CHECKPOINT, CRACK_PATTERN, DECK, FIELDS, HISTORY, INTERFACES, LOAD_DISPLACEMENT, MESSAGES,
     OF_A_RUN, OutputError, REPORT, SUMMARY, spare_inputs,
 };
-use super::snapshot::Snapshots;
+use super::plotting::columns::{Columns, columns};
+use super::snapshot::{FrameChoice, Snapshots};
 use super::summary::{Measured, ProbeRange};
 use super::verdict::{Farthest, Motion, Verdict};
 use super::{
@@ -51,6 +52,8 @@ pub struct RunDirectory {
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
+    /// Index in the curve, and fields, of the largest force so far, while no frame shows it.
+    peak: Option<(usize, Arc<Frame>)>,
     motion: Motion,
     deck: DeckCopy,
     spent: Spent,
@@ -183,6 +186,7 @@ impl RunDirectory {
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
+            peak: None,
             motion: Motion::default(),
             deck: DeckCopy::default(),
             spent: Spent {
@@ -206,6 +210,8 @@ impl RunDirectory {
             self.count(model, row);
         }
         self.last_frame = last_frame.map(Arc::new);
+        let peak = file.peak.as_ref();
+        self.peak = peak.map(|(index, fields)| (*index, Arc::new(fields.clone())));
         (self.spent.wall_before, self.spent.cpu_before) = (file.wall_s, file.cpu_s);
         self.deck.text.clone_from(&file.deck);
         self.deck.folder.clone_from(&file.deck_folder);
@@ -272,6 +278,19 @@ impl RunDirectory {
         }
     }
 
+    /// Writes the fields of the largest force so far as a frame, if no frame shows it. It comes before the frame of a
+    /// later increment, so that the frames are in the order of time.
+    fn write_peak(&mut self) -> io::Result<()> {
+        let Some((index, fields)) = self.peak.take() else {
+            return Ok(());
+        };
+        if self.curve.peak().is_some_and(|peak| peak.index == index) {
+            writing(&self.path, FIELDS, |_| self.fields.append(&fields))?;
+            self.last_frame = Some(fields);
+        }
+        Ok(())
+    }
+
     /// Wall-clock and CPU time of the run [s], with the time before it was resumed.
     fn times(&self) -> (f64, Option<f64>) {
         let wall = self.spent.wall_before + self.spent.started.elapsed().as_secs_f64();
@@ -285,11 +304,12 @@ impl RunDirectory {
     /// # Errors
     /// [`OutputError::Write`]; no summary is written then.
     pub fn finish(
-        self,
+        mut self,
         model: &Model,
         run: &Summary,
         model_warnings: &[String],
     ) -> Result<SummaryFile, OutputError> {
+        writing(&self.path.clone(), FIELDS, |_| self.write_peak())?;
         let (wall_s, cpu_s) = self.times();
         let Self {
             path,
@@ -312,7 +332,7 @@ impl RunDirectory {
         let frames = RunFolder::open(&path).and_then(|folder| Snapshots::open(&folder));
         let answers = Answers::of_run(model, run, &curve, frames.as_ref().ok());
         writing(&path, LOAD_DISPLACEMENT, |file| {
-            let svg = plot::load_displacement(&model.title, &curve).map_err(io::Error::other)?;
+            let svg = picture_of(&path, model, &curve).map_err(io::Error::other)?;
             write_whole(file, svg.as_bytes())
         })?;
         if let Some(messages) = messages {
@@ -321,7 +341,11 @@ impl RunDirectory {
             })?;
         }
         if let Some(frame) = last_frame {
-            let svg = elevation::crack_pattern(model, &frame);
+            let last = frames.ok().and_then(|f| f.at(FrameChoice::Last).ok());
+            let svg = match last {
+                Some(last) => elevation::crack_pattern_of(&last, Some(model)),
+                None => elevation::crack_pattern(model, &frame),
+            };
             writing(&path, CRACK_PATTERN, |file| {
                 write_whole(file, svg.as_bytes())
             })?;
@@ -345,6 +369,19 @@ impl RunDirectory {
         writing(&path, SUMMARY, |file| summary.write(file))?;
         Ok(summary)
     }
+}
+
+/// The load-displacement curve, or the probes over time of a run without one.
+fn picture_of(folder: &Path, model: &Model, curve: &Curve) -> Result<String, String> {
+    if !curve.points().is_empty() {
+        return plot::load_displacement(&model.title, curve);
+    }
+    let history = RunFolder::open(folder).and_then(|folder| folder.history());
+    let picture = history.and_then(|history| {
+        let runs = [("", &history)];
+        columns(&model.title, &runs, &Columns::default())
+    });
+    picture.map_err(|error| error.to_string())
 }
 
 /// Starts [`MESSAGES`] and attaches the experiment named in the deck; `None` if the model asks for no messages.
@@ -397,6 +434,7 @@ impl Recorder for RunDirectory {
             self.fields.settled().map(|fields| fields.row(row))
         })?;
         if let Some(frame) = frame {
+            self.write_peak()?;
             let frame = Arc::new(frame.clone());
             writing(&self.path, FIELDS, |_| self.fields.append(&frame))?;
             self.last_frame = Some(frame);
@@ -408,6 +446,18 @@ impl Recorder for RunDirectory {
             })?;
         }
         Ok(true)
+    }
+
+    /// The fields of each largest force so far are kept, and written if the next frame lies lower.
+    fn wants_fields(&self) -> bool {
+        let last = self.curve.points().len().checked_sub(1);
+        last.is_some() && self.curve.peak().map(|peak| peak.index) == last
+    }
+
+    fn keep(&mut self, _model: &Model, fields: Frame) {
+        if let Some(last) = self.curve.points().len().checked_sub(1) {
+            self.peak = Some((last, Arc::new(fields)));
+        }
     }
 
     fn note(&mut self, text: &str) {
@@ -449,6 +499,10 @@ impl Recorder for RunDirectory {
             messages,
             wall_s,
             cpu_s,
+            peak: self
+                .peak
+                .as_ref()
+                .map(|(index, fields)| (*index, fields.as_ref().clone())),
             solver: make(),
         };
         writing(&self.path, CHECKPOINT, |path| file.write(path))?;

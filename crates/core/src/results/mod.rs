@@ -16,12 +16,15 @@
 //! ```
 
 #[cfg(feature = "run-folder")]
+pub mod animation;
+#[cfg(feature = "run-folder")]
 pub mod answers;
 #[cfg(feature = "run-folder")]
 mod beside;
 pub mod branch;
 #[cfg(feature = "run-folder")]
 pub mod checkpoint;
+pub mod colours;
 pub mod comparison;
 pub mod curve;
 #[cfg(feature = "run-folder")]
@@ -55,10 +58,13 @@ pub mod resuming;
 #[cfg(feature = "run-folder")]
 pub mod snapshot;
 pub mod summary;
+pub(crate) mod svg_text;
 pub mod usage;
 pub mod verdict;
 #[cfg(feature = "hdf5")]
 pub mod vtkhdf;
+#[cfg(feature = "run-folder")]
+pub mod wall_picture;
 
 #[cfg(test)]
 pub(crate) mod fake;

@@ -48,6 +48,32 @@ pub enum ReadError {
         /// Number of frames in the file.
         count: usize,
     },
+    /// The history has no such column of numbers.
+    #[error("the history has no column `{name}` of numbers")]
+    #[diagnostic(help("{advice}"))]
+    NoColumn {
+        /// The requested name.
+        name: String,
+        /// The nearest name, or all names.
+        advice: String,
+    },
+    /// A section does not meet the model.
+    #[error("no part of the model lies at {axis} = {at} mm")]
+    #[diagnostic(help("the model reaches from {axis} = {low} to {high} mm"))]
+    NoSection {
+        /// `x`, `y` or `z`.
+        axis: &'static str,
+        /// The requested position [mm].
+        at: f64,
+        /// Smallest coordinate [mm].
+        low: f64,
+        /// Largest coordinate [mm].
+        high: f64,
+    },
+    /// A picture cannot be drawn.
+    #[error("the picture cannot be drawn: {0}")]
+    #[diagnostic(help("look at history.csv: are there numbers that are none?"))]
+    Undrawn(String),
     /// A file has unexpected content.
     #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]
     #[diagnostic(help("the file was changed, or written by another version of wythe"))]
@@ -195,9 +221,14 @@ impl RunFolder {
 
     /// Clear height of the model of the run [mm]; `None` if it has none, or if its deck cannot be read any more.
     pub fn clear_height(&self) -> Option<f64> {
+        clear_height(&self.model()?)
+    }
+
+    /// Model of the run; `None` if its deck, or a file that it names, cannot be read any more.
+    pub fn model(&self) -> Option<Model> {
         let deck = Deck::load(self.path.join(DECK), &[]).ok()?;
         let (model, _) = Model::from_deck(&self.place(deck)).ok()?;
-        clear_height(&model)
+        Some(model)
     }
 
     /// The deck of the run with its overrides; `None` if the folder has no copy.

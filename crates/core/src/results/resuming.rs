@@ -350,7 +350,8 @@ impl StoppedRun {
             let last = frames.checked_sub(1).map(|last| file.frame(last));
             let last = last.transpose()?;
             drop(file);
-            let writer = VtkHdfWriter::reopen(&path, model, self.file.solver.increments())?;
+            let writer =
+                VtkHdfWriter::reopen(&path, model, (self.file.solver.increments(), frames))?;
             Ok((writer, last))
         };
         read().map_err(|why| first_line(&why))

@@ -12,7 +12,7 @@ use crate::state::{Frame, HistoryRow};
 pub enum FrameChoice {
     /// Frame of this number, from 0.
     Number(usize),
-    /// Frame nearest to the largest force.
+    /// Frame of the largest force; the nearest one of a run that was killed before it was written.
     Peak,
     /// Last frame.
     #[default]
@@ -282,6 +282,10 @@ impl Snapshot {
     pub fn caption(&self) -> String {
         let (number, time) = (self.number, self.frame.time);
         match &self.row {
+            // Nothing is driven or carried.
+            Some(row) if row.displacement_mm == 0.0 && row.force_kN == 0.0 => {
+                format!("frame {number}: t = {time:.3} s")
+            }
             Some(row) => format!(
                 "frame {number}: {:.3} mm, {:.2} kN",
                 row.displacement_mm, row.force_kN

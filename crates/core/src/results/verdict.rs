@@ -42,8 +42,10 @@ pub enum VerdictKind {
     Collapsed,
     /// Convergence was lost.
     NotConverged,
-    /// The user stopped the run.
+    /// The user interrupted the run.
     Interrupted,
+    /// A callback of the calling program stopped the run.
+    Stopped,
 }
 
 /// Largest displacement at the end of a run.
@@ -100,13 +102,14 @@ impl Verdict {
                 };
                 is(VerdictKind::NotConverged, so_far(text, curve))
             }
-            Status::Interrupted => {
+            status @ (Status::Interrupted | Status::Stopped) => {
                 let plural = if run.increments == 1 { "" } else { "s" };
-                let text = format!(
-                    "interrupted by the user after {} increment{plural}",
-                    run.increments
-                );
-                is(VerdictKind::Interrupted, so_far(text, curve))
+                let (kind, by) = match status {
+                    Status::Stopped => (VerdictKind::Stopped, "stopped by the callback"),
+                    _ => (VerdictKind::Interrupted, "interrupted by the user"),
+                };
+                let text = format!("{by} after {} increment{plural}", run.increments);
+                is(kind, so_far(text, curve))
             }
             Status::Completed => {
                 let told = Self::on_curve(model, curve)

@@ -18,6 +18,16 @@ pub trait Recorder: Send {
         frame: Option<&Frame>,
     ) -> std::io::Result<bool>;
 
+    /// Whether the fields of the increment that [`Recorder::take`] has just received without a frame are wanted by
+    /// [`Recorder::keep`]. The default is no.
+    fn wants_fields(&self) -> bool {
+        false
+    }
+
+    /// Receives the fields of the last increment, which has no frame, if [`Recorder::wants_fields`]. The default does
+    /// nothing.
+    fn keep(&mut self, _model: &Model, _fields: Frame) {}
+
     /// Receives the full state of a committed increment, before [`Recorder::take`]: histories of all points, contact
     /// pairs and energies. If only a half of the scene is solved, the state is that of the half. The default does
     /// nothing.
@@ -28,7 +38,6 @@ pub trait Recorder: Send {
     /// recorder asked to stop. The default does nothing.
     ///
     /// # Errors
-    /// Input/output failures, which end the run.
     /// Input/output failures, which end the run.
     fn checkpoint(&mut self, _last: bool, _make: &dyn Fn() -> Checkpoint) -> std::io::Result<()> {
         Ok(())

@@ -1,12 +1,13 @@
 //! The fields of one output increment.
 
 use nalgebra::Vector6;
+use serde::{Deserialize, Serialize};
 use wythe_contact::{InterfaceHistory, InterfaceLaw, JointLaw};
 
 use crate::tensor;
 
 /// Fields of one output increment.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Frame {
     /// Accumulated step time [s].
     pub time: f64,
@@ -43,7 +44,7 @@ pub struct Frame {
 }
 
 /// Field of an output of a law.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OutputField {
     /// Its name.
     pub name: String,
@@ -61,7 +62,7 @@ impl Frame {
 }
 
 /// Fields of the joints at one output increment. `[slave facet][point]`, four points on each facet.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InterfaceFrame {
     /// Opening u, negative when closed [mm].
     pub opening: Vec<f64>,
@@ -78,7 +79,7 @@ pub struct InterfaceFrame {
 }
 
 /// State of a contact point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum InterfaceState {
     /// No damage. For a dry joint: under pressure and not sliding.

@@ -17,8 +17,10 @@ pub enum Status {
     Collapsed,
     /// Convergence was lost. Earlier results are kept.
     NotConverged,
-    /// Stopped by the user after a complete increment.
+    /// Interrupted by the user (Ctrl-C, a signal) after a complete increment.
     Interrupted,
+    /// Stopped by a callback of the calling program after a complete increment.
+    Stopped,
 }
 
 /// Bodies that move under inertia, after `auto` found no static equilibrium.

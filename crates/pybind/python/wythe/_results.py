@@ -34,7 +34,9 @@ __all__ = ["Results"]
 #: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
 FrameNumber = Union[int, "np.integer[Any]", Literal["peak", "last"]]
 #: Status of a run; ``"unfinished"`` without a summary.
-Status = Literal["completed", "collapsed", "not_converged", "interrupted", "unfinished"]
+Status = Literal[
+    "completed", "collapsed", "not_converged", "interrupted", "stopped", "unfinished"
+]
 #: Verdict on a run in one word.
 VerdictKind = Literal[
     "peak_passed",
@@ -45,9 +47,33 @@ VerdictKind = Literal[
     "collapsed",
     "not_converged",
     "interrupted",
+    "stopped",
 ]
 #: Kinds of pictures of :meth:`Results.picture`.
-Kind = Literal["curves", "cracks", "deflection_height", "deflection_length"]
+Kind = Literal["curves", "columns", "cracks", "deflection_height", "deflection_length"]
+#: Faces of a wall; the front is at the smallest y.
+Face = Literal["front", "back", "left", "right", "top"]
+#: Direction of a view: ``"iso"``, a face, or degrees around from the front and above.
+View = Union[str, "tuple[float, float]"]
+
+
+def _seen(face: str | None, section: str | None, view: View | None) -> str:
+    """The one view that is given, as Rust reads it."""
+    given = [one for one in (face, section, view) if one is not None]
+    if len(given) > 1:
+        raise ValueError("face, section, view: expected one of them")
+    if section is not None and "=" not in section:
+        raise ValueError(f"section: expected an axis and mm, as 'y=125', got {section!r}")
+    if not given:
+        return "front"
+    seen = given[0]
+    return seen if isinstance(seen, str) else ",".join(str(float(part)) for part in seen)
+
+
+def _factor(scale: float | None) -> float | None:
+    if scale is not None and not (math.isfinite(scale) and scale >= 0.0):
+        raise ValueError(f"scale: expected a number from 0, got {scale}")
+    return None if scale is None else float(scale)
 
 
 class Results:
@@ -112,8 +138,8 @@ class Results:
 
     @property
     def status(self) -> Status:
-        """``"completed"``, ``"collapsed"``, ``"not_converged"`` or ``"interrupted"``; ``"unfinished"`` without a
-        summary.
+        """``"completed"``, ``"collapsed"``, ``"not_converged"``, ``"interrupted"`` (by Ctrl-C or an exception) or
+        ``"stopped"`` (by the callback); ``"unfinished"`` without a summary.
         """
         return cast(Status, self.summary.get("status", "unfinished"))
 
@@ -359,7 +385,7 @@ class Results:
         return number
 
     def frame(self, frame: FrameNumber = "last") -> Frame:
-        """Fields of a frame, given by its number from 0, ``"peak"`` (nearest to the largest force) or ``"last"``."""
+        """Fields of a frame, given by its number from 0, ``"peak"`` (of the largest force) or ``"last"``."""
         number = self._frame_number(frame)
         increment = int(self._fields.increments()[number])
         return Frame(self._fields, number, float(self.times[number]), increment)
@@ -409,23 +435,37 @@ class Results:
         self,
         experiment: str | os.PathLike[str] | None = None,
         *,
+        x: str | None = None,
+        y: str | Sequence[str] | None = None,
         ax: Axes | None = None,
         label: str | None = None,
     ) -> Axes:
-        """Plots the load-displacement curve with matplotlib, together with a measured one if given.
+        """Plots the load-displacement curve with matplotlib, together with a measured one if given; or any columns of
+        the history. A run without a drive has its probes over time.
 
         Parameters
         ----------
         experiment
             A CSV file with a column of displacements and one of forces (see docs/how-to/compare-with-a-test.md).
+        x, y
+            Columns of the history, several for ``y``. Default: those of the curve, or time and the probes.
         ax
             Axes to draw into; new ones if not given.
         label
-            Label in the legend; the title if not given.
+            Label in the legend; the title, or the names of the columns, if not given.
+
+        Raises
+        ------
+        ValueError
+            The history has no such column of numbers.
         """
         need("matplotlib", "plot")
         from matplotlib import pyplot
 
+        default_x, default_y = _wythe.default_columns(self._path)
+        if x is not None or y is not None or default_x == "time" and experiment is None:
+            names = default_y if y is None else [y] if isinstance(y, str) else list(y)
+            return self._plot_columns(default_x if x is None else x, names, ax, label)
         if ax is None:
             _, ax = pyplot.subplots()
         driven = self.history["driven"]
@@ -443,6 +483,24 @@ class Results:
         ax.legend()
         return ax
 
+    def _plot_columns(self, x: str, names: list[str], ax: Axes | None, label: str | None) -> Axes:
+        from matplotlib import pyplot
+
+        for name in [x, *names]:
+            if not isinstance(name, str):
+                raise expected("x, y", "names of columns", name)
+        axes = {name: _wythe.history_column(self._path, name) for name in [x, *names]}
+        if ax is None:
+            _, ax = pyplot.subplots()
+        for name in names:
+            said = axes[name] if label is None else label if len(names) == 1 else f"{label}: {name}"
+            ax.plot(self.history[x], self.history[name], label=said)
+        ax.set_xlabel(axes[x])
+        ax.set_ylabel(axes[names[0]] if len(names) == 1 else "")
+        ax.grid(True, alpha=0.3)
+        ax.legend()
+        return ax
+
     def picture(
         self,
         kind: Kind = "curves",
@@ -450,13 +508,20 @@ class Results:
         frame: FrameNumber = "last",
         experiment: str | os.PathLike[str] | None = None,
         against: Mapping[str, Results] | None = None,
+        x: str | None = None,
+        y: str | Sequence[str] | None = None,
+        face: Face | None = None,
+        section: str | None = None,
+        view: View | None = None,
+        scale: float | None = None,
     ) -> Picture:
         """Draws a picture without further packages.
 
         Parameters
         ----------
         kind
-            ``"curves"`` (load-displacement), ``"cracks"`` (elevation with damage and failed joints),
+            ``"curves"`` (load-displacement; of a run without a drive its probes over time), ``"columns"`` (any columns
+            of the history), ``"cracks"`` (the wall with damage, joints, crack widths, supports and loads),
             ``"deflection_height"``, ``"deflection_length"``.
         frame
             Frame of the cracks and deflections.
@@ -464,16 +529,72 @@ class Results:
             CSV file with a measured curve, for ``"curves"``.
         against
             Further runs by name.
+        x, y
+            Columns, for ``"columns"``; several for ``y``.
+        face, section, view
+            One of them, for ``"cracks"``: a face (``"back"``), a section at rest (``"y=125"``), or a direction
+            (``"iso"``, or degrees around from the front and above).
+        scale
+            Magnification of the displacements, for ``"cracks"``; a round one if not given.
+
+        Raises
+        ------
+        ValueError
+            There is no such kind, column or view, or the section meets no part of the model.
         """
-        kinds = ("curves", "cracks", "deflection_height", "deflection_length")
+        kinds = ("curves", "columns", "cracks", "deflection_height", "deflection_length")
         if kind not in kinds:
             raise ValueError(f"kind: expected one of {', '.join(kinds)}, got {kind!r}")
         others = against or {}
         runs = [(self._name(), self._path), *((name, run.path) for name, run in others.items())]
         measured = [] if experiment is None else [as_path("experiment", experiment)]
+        if kind == "columns":
+            names = [] if y is None else [y] if isinstance(y, str) else list(y)
+            return Picture(_wythe.columns_picture(runs, x, names))
+        if kind == "cracks":
+            number = str(self._frame_number(frame))
+            seen = _seen(face, section, view)
+            return Picture(_wythe.wall(self._path, number, seen, _factor(scale)))
         # Curves need no frame, so a missing one is no error.
         number = "last" if kind == "curves" else str(self._frame_number(frame))
         return Picture(_wythe.picture(kind, runs, measured, number))
+
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        face: Face | None = None,
+        section: str | None = None,
+        view: View | None = None,
+        scale: float | None = None,
+        width: int = 960,
+        delay: float = 0.15,
+        curve: bool = True,
+        most: int = 120,
+    ) -> str:
+        """Writes the deformed wall with its cracks, frame by frame, as an animated GIF and returns its path.
+
+        Parameters
+        ----------
+        path
+            Name of the file.
+        face, section, view, scale
+            See :meth:`picture`.
+        width
+            Width of the picture [px].
+        delay
+            Time that each frame is shown [s].
+        curve
+            Whether the load-displacement curve lies beside the wall.
+        most
+            Largest number of frames, at even distances.
+        """
+        if not (50 <= width <= 4000 and most >= 1 and delay > 0.0):
+            raise ValueError("animate: expected width from 50 to 4000, most from 1, delay above 0")
+        name = as_path("path", path)
+        drawn = (int(width), float(delay), bool(curve), int(most))
+        _wythe.animate(self._path, name, _seen(face, section, view), _factor(scale), drawn)
+        return name
 
     def report(
         self,

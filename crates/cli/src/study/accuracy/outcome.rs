@@ -274,7 +274,7 @@ fn errors(scene: &Scene, short: bool, curve: &[Point], ended: &Ended) -> Result<
         Status::Completed => why,
         Status::Collapsed => format!("{why}: {}", ended.message),
         Status::NotConverged => format!("{why}: {}", reason(&ended.message)),
-        Status::Interrupted => format!("{why}: its time was up"),
+        Status::Interrupted | Status::Stopped => format!("{why}: its time was up"),
     })
 }
 

@@ -217,7 +217,7 @@ fn cracks(folder: &Path, frame: FrameChoice) -> Result<String, String> {
     let folder = RunFolder::open(folder).map_err(|e| e.to_string())?;
     let snapshots = Snapshots::open(&folder).map_err(|e| e.to_string())?;
     let snapshot = snapshots.at(frame).map_err(|e| e.to_string())?;
-    Ok(crack_pattern_of(&snapshot))
+    Ok(crack_pattern_of(&snapshot, folder.model().as_ref()))
 }
 
 impl Outcome {

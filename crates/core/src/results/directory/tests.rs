@@ -137,3 +137,47 @@ fn messages_are_written_only_on_request() {
     run.progress(0, 0.0, 1);
     assert_eq!(names(folder.path()), [HISTORY, FIELDS, WORK]);
 }
+
+/// Frames every third increment: the largest force lies between two of them and gets a frame of its own, once, before
+/// the frame after it. Every larger force before is forgotten.
+#[test]
+fn the_largest_force_has_a_frame() {
+    let forces = [1.0, 4.0, 6.0, 8.0, 9.0, 7.0, 5.0, 4.0];
+    let recorded = |run: &mut RunDirectory, model: &Model, from: usize, to: usize| {
+        for i in from..=to {
+            let row = HistoryRow {
+                time: i as f64,
+                ..fake::row(i, 1, i as f64, forces[i - 1])
+            };
+            let frame = Frame {
+                increment: i,
+                ..fake::frame(model, i as f64)
+            };
+            let due = i.is_multiple_of(3);
+            run.take(model, &row, due.then_some(&frame)).unwrap();
+            if !due && run.wants_fields() {
+                run.keep(model, frame);
+            }
+        }
+    };
+    let increments = |folder: &Path| {
+        let open = RunFolder::open(folder).unwrap();
+        open.fields().unwrap().increments().to_vec()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let model = fake::model();
+    let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+    recorded(&mut run, &model, 1, 8);
+    run.finish(&model, &fake::summary(Status::Completed), &[])
+        .unwrap();
+    assert_eq!(increments(folder.path()), [3, 5, 6]);
+    let open = Snapshots::open(&RunFolder::open(folder.path()).unwrap()).unwrap();
+    let peak = open.at(FrameChoice::Peak).unwrap();
+    assert_eq!((peak.frame.time, peak.row.unwrap().force_kN), (5.0, 9.0));
+    // A run that ends just after its peak has the frame as well.
+    let mut run = RunDirectory::create(folder.path(), &model).unwrap();
+    recorded(&mut run, &model, 1, 5);
+    run.finish(&model, &fake::summary(Status::Interrupted), &[])
+        .unwrap();
+    assert_eq!(increments(folder.path()), [3, 5]);
+}

@@ -55,6 +55,7 @@ pub fn estimate_error(
         Status::Completed | Status::Collapsed => None,
         Status::NotConverged => Some("the run itself did not converge".to_owned()),
         Status::Interrupted => Some("the run itself was interrupted".to_owned()),
+        Status::Stopped => Some("the run itself was stopped by a callback".to_owned()),
     };
     let flat = || {
         curve
@@ -180,7 +181,9 @@ impl Found {
         companion.status = Some(ended.status);
         match ended.status {
             Status::Completed | Status::Collapsed => {}
-            Status::Interrupted => return Err("its companion was interrupted".to_owned()),
+            Status::Interrupted | Status::Stopped => {
+                return Err("its companion was interrupted".to_owned());
+            }
             Status::NotConverged => return Err(format!("its companion has {}", ended.verdict)),
         }
         let of_companion = RunFolder::open(&folder.join(&companion.folder))

@@ -190,7 +190,7 @@ impl TestRun {
             Some(VerdictKind::NotConverged) => {
                 "did not converge: the largest force may not be the strength"
             }
-            Some(VerdictKind::Interrupted) => {
+            Some(VerdictKind::Interrupted | VerdictKind::Stopped) => {
                 "was interrupted: the largest force may not be the strength"
             }
             Some(_) => return,

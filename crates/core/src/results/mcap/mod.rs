@@ -235,6 +235,7 @@ impl McapWriter {
             Status::Completed => (Level::Info, "completed"),
             Status::Collapsed => (Level::Warning, "collapsed"),
             Status::Interrupted => (Level::Warning, "interrupted"),
+            Status::Stopped => (Level::Warning, "stopped"),
             Status::NotConverged => (Level::Error, "not converged"),
         };
         let colon = if run.message.is_empty() { "" } else { ": " };

@@ -10,28 +10,14 @@ use wythe_contact::Part;
 
 use crate::element::exterior::{corners, exterior_faces};
 use crate::model::{Mesh, Model};
+use crate::results::colours;
 use crate::results::quarters::{QUARTERS, WEIGHTS};
 use crate::state::{Frame, InterfaceState};
 
 /// Number of damage levels with a colour each.
 const LEVELS: usize = 10;
-/// Colours of sound materials by index, repeated if there are more materials. `[rgb]`
-const SOUND: [[f64; 3]; 4] = [
-    [0.84, 0.63, 0.51],
-    [0.89, 0.87, 0.83],
-    [0.75, 0.71, 0.59],
-    [0.67, 0.75, 0.78],
-];
-/// Colours of the lowest and the highest damage level. `[rgb]`
-const DAMAGED: [[f64; 3]; 2] = [[1.0, 0.8, 0.2], [0.35, 0.0, 0.1]];
-
-/// Colour of an interface by the number of its state. `[rgba]`
-const STATES: [[f64; 4]; 4] = [
-    [0.6, 0.6, 0.6, 0.3],
-    [1.0, 0.65, 0.0, 1.0],
-    [0.1, 0.35, 0.9, 1.0],
-    [0.85, 0.1, 0.1, 1.0],
-];
+/// Opacity of joints by the number of their state.
+const OPACITY: [f64; 4] = [0.3, 1.0, 1.0, 1.0];
 
 /// The visible faces of the solids.
 #[derive(Debug)]
@@ -58,7 +44,7 @@ impl Scene {
         if damages.iter().any(|d| d.len() != elements) {
             return Err(misfit("damages", elements));
         }
-        let materials = SOUND.len();
+        let materials = colours::MATERIALS.len();
         let group = |e: usize| {
             let damage = damages[0][e].max(damages[1][e]);
             match ((damage * LEVELS as f64) as usize).min(LEVELS - 1) {
@@ -82,11 +68,11 @@ impl Scene {
         };
         let lists: Vec<Triangles> = (0..materials + LEVELS - 1).map(list).collect();
         let color = |group: usize| match group.checked_sub(materials) {
-            None => opaque(SOUND[group]),
+            None => opaque(colours::fractions(colours::material(group))),
             Some(level) => {
                 let t = level as f64 / (LEVELS - 2) as f64;
-                let of = |i: usize| (1.0 - t) * DAMAGED[0][i] + t * DAMAGED[1][i];
-                opaque(std::array::from_fn(of))
+                let [lowest, _, highest] = colours::TENSILE;
+                opaque(colours::fractions(colours::mixed(lowest, highest, t)))
             }
         };
         let about = "the larger of tensile and compressive damage, in tenths; none: the material";
@@ -124,9 +110,12 @@ impl Scene {
             }
             list
         };
-        let lists: Vec<Triangles> = (0..STATES.len()).map(list).collect();
-        let about = "intact grey, softening orange, open blue, sliding red";
-        Ok(entity("interfaces", about, stamp, &lists, |s| STATES[s]))
+        let lists: Vec<Triangles> = (0..colours::STATES.len()).map(list).collect();
+        let about = "intact grey, softening yellow, open red, sliding orange";
+        Ok(entity("interfaces", about, stamp, &lists, |s| {
+            let [r, g, b] = colours::fractions(colours::STATES[s]);
+            [r, g, b, OPACITY[s]]
+        }))
     }
 }
 
@@ -375,7 +364,7 @@ mod tests {
         };
         let whole = lists(&frame);
         assert_eq!(whole[0]["points"].as_array().unwrap().len(), 4);
-        assert_eq!(whole[0]["color"]["r"], 1.0);
+        assert_eq!(whole[0]["color"]["r"], 0.949);
         frame.interfaces.state[2] = InterfaceState::FailedOpen;
         let split = lists(&frame);
         assert_eq!(split[0]["indices"].as_array().unwrap().len(), 18);

@@ -3,32 +3,30 @@
 //! A cyclic experiment is drawn with its loops as thin lines and with its envelope. Of several experiments, the band
 //! between the lowest and the highest is filled.
 
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
-use plotters::prelude::*;
-
+use super::axes::{Axes, Label};
 use crate::experiment::{Experiment, Point};
 use crate::results::branch::{self, Branch};
+use crate::results::colours::Rgb;
+use crate::results::curve::brief;
 
 /// Width and height of the picture [px].
-const SIZE: (u32, u32) = (900, 600);
+const SIZE: (f64, f64) = (900.0, 600.0);
 /// Colours of runs in order, repeated if there are more runs.
-const RUNS: [RGBColor; 5] = [
-    RGBColor(31, 78, 121),
-    RGBColor(178, 34, 34),
-    RGBColor(46, 125, 50),
-    RGBColor(123, 63, 152),
-    RGBColor(190, 110, 20),
+const RUNS: [Rgb; 5] = [
+    [31, 78, 121],
+    [178, 34, 34],
+    [46, 125, 50],
+    [123, 63, 152],
+    [190, 110, 20],
 ];
 /// Colours of experiments in order.
-const TESTS: [RGBColor; 4] = [
-    RGBColor(95, 95, 95),
-    RGBColor(150, 130, 100),
-    RGBColor(120, 140, 150),
-    RGBColor(150, 120, 140),
+const TESTS: [Rgb; 4] = [
+    [95, 95, 95],
+    [150, 130, 100],
+    [120, 140, 150],
+    [150, 120, 140],
 ];
-const LOOPS: RGBColor = RGBColor(190, 190, 190);
-const BAND: RGBColor = RGBColor(226, 222, 212);
+const LOOPS: Rgb = [190, 190, 190];
 
 /// A curve with its name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,18 +40,18 @@ pub struct Line {
 }
 
 /// Style of a line.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pen {
-    colour: RGBColor,
-    width: u32,
-    dashed: bool,
+    pub colour: Rgb,
+    pub width: f64,
+    pub dashed: bool,
 }
 
 /// Style of a run.
 pub(super) fn run_pen(index: usize) -> Pen {
     Pen {
         colour: RUNS[index % RUNS.len()],
-        width: 2,
+        width: 2.0,
         dashed: false,
     }
 }
@@ -62,7 +60,7 @@ pub(super) fn run_pen(index: usize) -> Pen {
 /// run.
 ///
 /// # Errors
-/// Message of plotters if it cannot draw.
+/// No point has finite numbers.
 pub fn load_displacements(
     title: &str,
     runs: &[Line],
@@ -81,7 +79,7 @@ pub fn load_displacements(
         };
         let pen = Pen {
             colour: TESTS[i % TESTS.len()],
-            width: 2,
+            width: 2.0,
             dashed: i >= TESTS.len(),
         };
         let turned = |p: &Point| (sign * p.0, sign * p.1);
@@ -89,7 +87,7 @@ pub fn load_displacements(
         if branch::returns(&experiment.points) {
             let thin = Pen {
                 colour: LOOPS,
-                width: 1,
+                width: 1.0,
                 dashed: false,
             };
             lines.insert(0, (plain("", all), thin));
@@ -103,15 +101,34 @@ pub fn load_displacements(
     let band = band(&branches).map(|p| (side * p.0, side * p.1));
     let pens = (0..).map(run_pen);
     lines.extend(runs.iter().cloned().zip(pens));
-    let axes = ["displacement [mm]", "force [kN]"];
-    picture(title, axes, &band.0, &lines)
+    let names = ["displacement [mm]", "force [kN]"];
+    let labels: Vec<Label> = runs.iter().enumerate().flat_map(of_marks).collect();
+    Axes {
+        size: SIZE,
+        title,
+        names,
+        band: (&band.0, "experiments, from lowest to highest"),
+        lines: &lines,
+        labels: &labels,
+    }
+    .svg()
+}
+
+/// Force and displacement at the marks of a run.
+fn of_marks((index, run): (usize, &Line)) -> impl Iterator<Item = Label> {
+    let colour = run_pen(index).colour;
+    run.marks.iter().map(move |&at| Label {
+        at,
+        text: format!("{} kN at {} mm", brief(at.1), brief(at.0)),
+        colour,
+    })
 }
 
 /// Curves of runs over known curves, as SVG text. The known ones are drawn first. A line without points shows its
 /// markers only.
 ///
 /// # Errors
-/// Message of plotters if it cannot draw.
+/// No point has finite numbers.
 pub fn curves(
     title: &str,
     axes: [&str; 2],
@@ -120,13 +137,13 @@ pub fn curves(
 ) -> Result<String, String> {
     let pen = |i: usize| Pen {
         colour: TESTS[i % TESTS.len()],
-        width: 2,
+        width: 2.0,
         dashed: i >= TESTS.len(),
     };
     let below = known.iter().cloned().zip((0..).map(pen));
     let above = runs.iter().cloned().zip((0..).map(run_pen));
     let lines: Vec<(Line, Pen)> = below.chain(above).collect();
-    picture(title, axes, &[], &lines)
+    picture(title, axes, &lines)
 }
 
 fn plain(name: &str, points: Vec<Point>) -> Line {
@@ -169,109 +186,50 @@ fn band(branches: &[Branch]) -> Outline {
     Outline(high)
 }
 
-type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-type Plane<'a, 'b> = ChartContext<'b, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+/// One line without a name, and the text at each of its marks.
+pub(in crate::results) fn marked(
+    size: (f64, f64),
+    title: &str,
+    names: [&str; 2],
+    (line, said): (&Line, &str),
+) -> Result<String, String> {
+    let label = |at: &Point| Label {
+        at: *at,
+        text: said.to_owned(),
+        colour: RUNS[1],
+    };
+    let labels: Vec<Label> = line.marks.iter().map(label).collect();
+    let above = Line {
+        points: Vec::new(),
+        ..line.clone()
+    };
+    let below = plain("", line.points.clone());
+    Axes {
+        size,
+        title,
+        names,
+        band: (&[], ""),
+        lines: &[(below, run_pen(0)), (above, run_pen(1))],
+        labels: &labels,
+    }
+    .svg()
+}
 
-/// Lines on axes over a filled outline; later lines are on top.
+/// Lines on axes; later lines are on top.
 pub(super) fn picture(
     title: &str,
-    axes: [&str; 2],
-    band: &[Point],
+    names: [&str; 2],
     lines: &[(Line, Pen)],
 ) -> Result<String, String> {
-    super::svg(SIZE, |root| draw(root, title, axes, band, lines))
-}
-
-fn draw<'a>(
-    root: &DrawingArea<SVGBackend<'a>, Shift>,
-    title: &str,
-    axes: [&str; 2],
-    band: &[Point],
-    lines: &[(Line, Pen)],
-) -> Result<(), Failed<'a>> {
-    root.fill(&WHITE)?;
-    let all = || {
-        let of_lines = lines
-            .iter()
-            .flat_map(|(l, _)| l.points.iter().chain(&l.marks));
-        of_lines.chain(band)
-    };
-    let mut chart = ChartBuilder::on(root)
-        .caption(shortened(title, TITLE), ("sans-serif", 20))
-        .margin(18)
-        .x_label_area_size(46)
-        .y_label_area_size(70)
-        .build_cartesian_2d(span(all().map(|p| p.0)), span(all().map(|p| p.1)))?;
-    chart
-        .configure_mesh()
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(232, 232, 232))
-        .x_desc(axes[0])
-        .y_desc(axes[1])
-        .axis_desc_style(("sans-serif", 16))
-        .label_style(("sans-serif", 14))
-        .draw()?;
-    if !band.is_empty() {
-        chart
-            .draw_series([Polygon::new(band.to_vec(), BAND.filled())])?
-            .label("experiments, from lowest to highest")
-            .legend(|(x, y)| Rectangle::new([(x, y - 5), (x + 22, y + 5)], BAND.filled()));
+    Axes {
+        size: SIZE,
+        title,
+        names,
+        band: (&[], ""),
+        lines,
+        labels: &[],
     }
-    for (line, pen) in lines {
-        curve(&mut chart, line, *pen)?;
-    }
-    if lines.iter().any(|(line, _)| !line.name.is_empty()) {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
-            .margin(14)
-            .legend_area_size(30)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(200, 200, 200))
-            .label_font(("sans-serif", 14))
-            .draw()?;
-    }
-    Ok(())
-}
-
-fn curve<'a>(chart: &mut Plane<'a, '_>, line: &Line, pen: Pen) -> Result<(), Failed<'a>> {
-    let style = pen.colour.stroke_width(pen.width);
-    let points = line.points.iter().copied();
-    let drawn = if pen.dashed {
-        chart.draw_series(DashedLineSeries::new(points, 7, 5, style))?
-    } else {
-        chart.draw_series(LineSeries::new(points, style))?
-    };
-    if !line.name.is_empty() {
-        drawn
-            .label(shortened(&line.name, NAME))
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
-    }
-    let mark = |at: &Point| Circle::new(*at, 4, pen.colour.filled());
-    chart.draw_series(line.marks.iter().map(mark))?;
-    Ok(())
-}
-
-/// Largest number of characters.
-const TITLE: usize = 80;
-const NAME: usize = 60;
-
-fn shortened(text: &str, most: usize) -> String {
-    if text.chars().count() <= most {
-        return text.to_owned();
-    }
-    text.chars().take(most - 1).chain(['…']).collect()
-}
-
-/// A range that contains the values and zero, with a margin of 6 %.
-fn span(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let finite = values.filter(|v| v.is_finite());
-    let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-    if low == high {
-        0.0..1.0
-    } else {
-        1.06 * low..1.06 * high
-    }
+    .svg()
 }
 
 #[cfg(test)]
@@ -310,6 +268,39 @@ mod tests {
         let cyclic = [(0.0, 0.0), (1.0, 9.0), (0.2, 0.0), (-1.0, -9.0), (2.0, 8.0)];
         let svg = load_displacements("", &[run], &[experiment("C1", &cyclic)]).unwrap();
         assert!(svg.contains("C1: envelope") && !svg.contains("lowest"));
+    }
+
+    /// A peak lies at its place to a hundredth of a pixel, with a label beside it that no line crosses.
+    #[test]
+    fn curves_have_decimals_and_the_peak_its_mark() {
+        let points: Vec<Point> = (0..200)
+            .map(|i| 0.01 * f64::from(i))
+            .map(|d| (d, 10.0 * (1.5 * d).sin()))
+            .collect();
+        let peak = points[105];
+        let run = Line {
+            name: "run".to_owned(),
+            points: points.clone(),
+            marks: vec![peak],
+        };
+        let svg = load_displacements("", &[run], &[]).unwrap();
+        let text = svg.split("<polyline points=\"").nth(1).unwrap();
+        let text = text.split('"').next().unwrap();
+        let drawn: Vec<[f64; 2]> = text
+            .split(' ')
+            .map(|p| p.split_once(',').unwrap())
+            .map(|(x, y)| [x, y].map(|c| c.parse().unwrap()))
+            .collect();
+        assert_eq!(drawn.len(), points.len());
+        let whole = drawn.iter().filter(|p| p[1].fract() == 0.0).count();
+        assert!(whole < 20, "{whole} of {} rounded", drawn.len());
+        // Steps of equal displacements are equal, to the hundredth that is written.
+        for w in drawn.windows(3) {
+            assert!((w[2][0] - 2.0 * w[1][0] + w[0][0]).abs() < 0.025);
+        }
+        let [x, y] = drawn[105];
+        assert!(svg.contains(&format!(r#"class="mark" cx="{x:.2}" cy="{y:.2}""#)));
+        assert!(svg.contains("10.00 kN at 1.050 mm"));
     }
 
     #[test]

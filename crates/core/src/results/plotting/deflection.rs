@@ -92,7 +92,7 @@ impl Deflection {
 /// Deflections of several runs with their names as SVG text; `axis` is that of the displacement.
 ///
 /// # Errors
-/// Message of plotters if it cannot draw.
+/// No point has finite numbers.
 pub fn deflections(
     title: &str,
     along: Along,
@@ -117,7 +117,7 @@ pub fn deflections(
         Along::Height => [u.as_str(), "height at mid-length [mm]"],
         Along::Length => ["along the length at mid-height [mm]", u.as_str()],
     };
-    chart::picture(title, axes, &[], &lines)
+    chart::picture(title, axes, &lines)
 }
 
 #[cfg(test)]

@@ -1,9 +1,14 @@
-//! Pictures of runs as SVG and PNG: load-displacement curves with experiments, deflections, charts and the scene.
+//! Pictures of runs as SVG and PNG: load-displacement curves with experiments, any columns of the history,
+//! deflections, charts and the scene.
 
+mod axes;
 pub mod chart;
+#[cfg(feature = "run-folder")]
+pub mod columns;
 #[cfg(feature = "run-folder")]
 pub mod deflection;
 pub mod histogram;
+mod place;
 pub mod raster;
 pub mod scatter;
 #[cfg(feature = "run-folder")]
@@ -15,7 +20,7 @@ pub use chart::{Line, curves, load_displacements};
 #[cfg(feature = "run-folder")]
 pub use deflection::{Along, Deflection, deflections};
 pub use histogram::{Bars, histogram};
-pub use raster::png;
+pub use raster::{png, png_of_width};
 pub use scatter::{Scatter, Spot};
 #[cfg(feature = "run-folder")]
 pub use scene::scene;

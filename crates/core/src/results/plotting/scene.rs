@@ -9,7 +9,9 @@
 
 use std::fmt::Write as _;
 
-use super::super::elevation::{self, escape};
+use super::super::colours::{self, hex};
+use super::super::elevation;
+use super::super::svg_text::escape;
 use crate::element::exterior::{corners, exterior_faces};
 use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
@@ -27,10 +29,6 @@ const NARROWEST: f64 = 170.0;
 /// Height of the tallest drawing [px].
 const TALLEST: f64 = 900.0;
 
-/// Colours of materials, repeated if there are more.
-const MATERIALS: [&str; 8] = [
-    "#d6a082", "#e2ded4", "#aab4be", "#c8be96", "#9fb4a0", "#c9a7b8", "#b9c7d8", "#d8c7a7",
-];
 /// Colours of interfaces.
 const INTERFACES: [&str; 6] = [
     "#c02020", "#2060c0", "#208040", "#a05000", "#8030a0", "#007f8f",
@@ -303,7 +301,7 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
     }
     for (m, material) in model.materials.iter().enumerate() {
         let y = layout.legend + 20.0 * m as f64;
-        let fill = MATERIALS[m % MATERIALS.len()];
+        let fill = hex(colours::material(m));
         writeln!(
             svg,
             r##"<rect x="{MARGIN}" y="{y:.0}" width="14" height="14" fill="{fill}" stroke="#444444" stroke-width="0.5"/><text x="{:.0}" y="{:.0}" font-size="13">{}</text>"##,
@@ -369,7 +367,7 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
     )?;
     writeln!(svg, r##"<g stroke="#00000055" stroke-width="0.4">"##)?;
     for polygon in &panel.polygons {
-        let fill = MATERIALS[polygon.material % MATERIALS.len()];
+        let fill = hex(colours::material(polygon.material));
         let points: Vec<String> = polygon
             .corners
             .iter()

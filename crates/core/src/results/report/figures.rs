@@ -3,7 +3,7 @@
 use super::Experiment;
 use super::page::escape;
 use crate::results::answers::{PerformancePoint, name_of_class};
-use crate::results::plot;
+use crate::results::curve;
 use crate::results::{Answers, ReadHistory, SummaryFile};
 
 /// Names of the highlighted tile.
@@ -229,7 +229,7 @@ fn brief(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-4 {
         format!("{value:.1e}")
     } else {
-        plot::brief(value)
+        curve::brief(value)
     }
 }
 

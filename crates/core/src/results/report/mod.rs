@@ -23,6 +23,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::colours::Table;
 use super::estimate::ErrorEstimate;
 use super::{Answers, Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
@@ -58,6 +59,7 @@ pub struct Report {
 /// Data of the page.
 #[derive(Serialize)]
 struct Data<'a> {
+    colours: Table,
     series: Series,
     experiment: Option<Measured<'a>>,
     view: Option<View>,
@@ -117,6 +119,7 @@ impl Report {
         }));
         let title = title(folder, deck.as_deref(), fields.as_ref());
         let mut data = Data {
+            colours: Table::new(),
             series: Series::of(&history, &driven, peak, &rows),
             experiment: experiment.map(Measured::of),
             view: None,
@@ -263,6 +266,7 @@ impl Text<'_> {
             Some(Status::Collapsed) => ("warn", "collapsed"),
             Some(Status::NotConverged) => ("bad", "not converged"),
             Some(Status::Interrupted) => ("warn", "interrupted"),
+            Some(Status::Stopped) => ("warn", "stopped by a callback"),
             None => ("warn", "no summary: going on, or killed"),
         };
         let message = self.summary.map_or("", |s| s.message.as_str());

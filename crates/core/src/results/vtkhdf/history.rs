@@ -158,14 +158,17 @@ impl History {
         Ok(history)
     }
 
-    /// Opens the series of a run of this model and drops everything after an increment.
+    /// Opens the series of a run of this model and drops everything after an increment and a number of frames.
     ///
     /// # Errors
     /// The file cannot be read or written, or it has another history.
-    pub fn open(file: &hdf5::File, model: &Model, increment: usize) -> hdf5::Result<Self> {
+    pub fn open(
+        file: &hdf5::File,
+        model: &Model,
+        (increment, frames): (usize, usize),
+    ) -> hdf5::Result<Self> {
         let group = file.group(HISTORY)?;
         let rows = until(&group.dataset("increment")?, increment)?;
-        let frames = frames_until(file, increment)?;
         let series = |name: &str, length: usize| {
             let series = group.dataset(name)?;
             cut(&series, length).map(|()| series)

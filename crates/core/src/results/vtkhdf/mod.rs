@@ -76,18 +76,18 @@ impl VtkHdfWriter {
         Ok(writer)
     }
 
-    /// Continues the file of a run of this model after increment `keep_increments`; later frames and rows are
-    /// dropped. Readers see the old file until a frame is written.
+    /// Continues the file of a run of this model after the given increment and with at most this number of frames;
+    /// later frames and rows are dropped. Readers see the old file until a frame is written.
     ///
     /// # Errors
     /// The file is missing, damaged or of another model, or it cannot be written.
-    pub fn reopen(path: &Path, model: &Model, keep_increments: usize) -> io::Result<Self> {
+    pub fn reopen(path: &Path, model: &Model, kept: (usize, usize)) -> io::Result<Self> {
         let publication = Publication::new(path);
         if let Err(why) = publication.take_back() {
             publication.abandon();
             return Err(why);
         }
-        let begun = WorkFile::open(&publication.work(), model, keep_increments);
+        let begun = WorkFile::open(&publication.work(), model, kept);
         Self::begin(publication, begun)
     }
 

@@ -217,7 +217,7 @@ fn a_reopened_file_continues_like_an_uninterrupted_one() {
     record(&mut writer, &model, 1..=7);
     drop(writer);
     // The checkpoint was taken after increment 5: frame 6 and rows 6 and 7 are written again.
-    let mut writer = VtkHdfWriter::reopen(&path, &model, 5).unwrap();
+    let mut writer = VtkHdfWriter::reopen(&path, &model, (5, usize::MAX)).unwrap();
     assert_eq!(writer.steps(), 2);
     assert_eq!(
         seen(&path).0,
@@ -233,7 +233,7 @@ fn a_reopened_file_continues_like_an_uninterrupted_one() {
         assert_eq!((&a.stress, &a.interfaces), (&b.stress, &b.interfaces));
     }
     // A new run in the same file keeps nothing of the old one.
-    drop(VtkHdfWriter::reopen(&path, &model, 0).unwrap());
+    drop(VtkHdfWriter::reopen(&path, &model, (0, usize::MAX)).unwrap());
     assert_eq!(seen(&path).0, [0; 0]);
 }
 
@@ -242,17 +242,17 @@ fn files_of_other_models_are_not_reopened_and_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results.vtkhdf");
     let model = whole_model();
-    let missing = VtkHdfWriter::reopen(&path, &model, 1).unwrap_err();
+    let missing = VtkHdfWriter::reopen(&path, &model, (1, usize::MAX)).unwrap_err();
     assert_eq!(missing.kind(), io::ErrorKind::NotFound);
     drop(VtkHdfWriter::create(&path, &model).unwrap());
     let mut other = whole_model();
     other.mesh.elements.pop();
     let before = std::fs::read(&path).unwrap();
-    let error = VtkHdfWriter::reopen(&path, &other, 1).unwrap_err();
+    let error = VtkHdfWriter::reopen(&path, &other, (1, usize::MAX)).unwrap_err();
     assert!(error.to_string().contains("another model"), "{error}");
     assert_eq!(std::fs::read(&path).unwrap(), before);
     std::fs::write(&path, &before[..before.len() / 2]).unwrap();
-    assert!(VtkHdfWriter::reopen(&path, &model, 1).is_err());
+    assert!(VtkHdfWriter::reopen(&path, &model, (1, usize::MAX)).is_err());
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 2, "the file and its sidecar: {left:?}");
 }

@@ -80,10 +80,10 @@ impl WorkFile {
     ///
     /// # Errors
     /// The file cannot be read or written, or it is of another model.
-    pub fn open(path: &Path, model: &Model, increment: usize) -> hdf5::Result<Self> {
+    pub fn open(path: &Path, model: &Model, kept: (usize, usize)) -> hdf5::Result<Self> {
         let file = hdf5::File::open_rw(path)?;
-        let frames = history::frames_until(&file, increment)?;
-        let history = History::open(&file, model, increment)?;
+        let frames = history::frames_until(&file, kept.0)?.min(kept.1);
+        let history = History::open(&file, model, (kept.0, frames))?;
         Self::with(file, history, model, |file, name, of| {
             Grid::open(&file.group(name)?, of, frames)
         })

@@ -108,6 +108,14 @@ impl Recorder for Watch<'_> {
         self.recorder.take(model, row, frame)
     }
 
+    fn wants_fields(&self) -> bool {
+        self.recorder.wants_fields()
+    }
+
+    fn keep(&mut self, model: &Model, fields: Frame) {
+        self.recorder.keep(model, fields);
+    }
+
     fn observe(&mut self, state: &State) {
         let mesh = &self.elastic.model.mesh;
         for (e, points) in state.material.chunks_exact(8).enumerate() {

@@ -322,6 +322,19 @@ impl Recorder for Expand<'_> {
         self.recorder.take(self.whole, &row, frame.as_ref())
     }
 
+    fn wants_fields(&self) -> bool {
+        self.recorder.wants_fields()
+    }
+
+    fn keep(&mut self, _half: &Model, fields: Frame) {
+        let (reactions, columns) = (
+            self.reactions(&fields.reactions),
+            self.columns(&fields.probes),
+        );
+        let whole = self.places.frame(&fields, reactions, columns);
+        self.recorder.keep(self.whole, whole);
+    }
+
     fn observe(&mut self, state: &State) {
         self.recorder.observe(state);
     }

@@ -129,6 +129,9 @@ impl Run<'_> {
         let frame = (last || row.increment.is_multiple_of(every)).then(|| self.frame(row));
         recorder.observe(&self.state);
         let keep = recorder.take(self.model, row, frame.as_ref())?;
+        if frame.is_none() && recorder.wants_fields() {
+            recorder.keep(self.model, self.frame(row));
+        }
         self.output_seconds += start.elapsed().as_secs_f64();
         Ok(keep)
     }

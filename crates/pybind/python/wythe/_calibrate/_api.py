@@ -20,7 +20,7 @@ from wythe._calibrate._read import job_of, job_of_file
 from wythe._calibrate._result import Calibration, CurveFit, Findings, correlation_of
 from wythe._calibrate._runs import Runs, workers
 from wythe._errors import as_path, expected, need, say
-from wythe._study._api import _check_main
+from wythe._study._pool import leave_import
 from wythe._study._progress import InPlace, terminal
 from wythe._study._samples import whole
 
@@ -90,7 +90,7 @@ def calibrate(
     read = _read(job, tests, parameters, {"fit": fit, "posterior": posterior, "title": title})
     if read.sampling is not None:
         need("emcee", "study")
-    _check_main()
+    leave_import()
     where = read.out if out is None else as_path("out", out)
     shown = _Progress(progress)
     try:

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import hashlib
 import inspect
-import multiprocessing
 import os
 import pickle
 from collections.abc import Callable, Mapping
@@ -21,7 +20,7 @@ from wythe._study._drive import drive
 from wythe._study._errors import StudyError, StudyInterrupted
 from wythe._study._executors import Futures, Place
 from wythe._study._journal import FORMAT, Header, Journal, Line
-from wythe._study._pool import GUARD, Workers
+from wythe._study._pool import Workers, leave_import
 from wythe._study._progress import Progress, sink
 from wythe._study._samples import Sample, expand, fingerprint, whole
 from wythe._study._table import Study
@@ -107,7 +106,7 @@ def study(
     if taken:
         argument = "samples" if parameters is None else "parameters"
         raise ValueError(f"{argument}: {taken[0]} is a column of the table, expected another name")
-    _check_main()
+    leave_import()
     _try_out(model, rows)
     folder = None if out is None else Path(as_path("out", out))
     if folder is not None and folder.exists() and not folder.is_dir():
@@ -254,12 +253,6 @@ def _check(
     whole("retries", retries, 0)
     if not isinstance(progress, bool):
         raise expected("progress", "True or False", progress)
-
-
-def _check_main() -> None:
-    """Rejects a call in a starting worker: an unguarded script would start the study again."""
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        raise StudyError(f"study: it was called while a worker starts; {GUARD}")
 
 
 def _try_out(model: Any, samples: list[Sample]) -> None:

@@ -26,7 +26,7 @@ from typing import Any
 
 from wythe._study._errors import StudyError
 from wythe._study._executors import Died, Finished, packed, told, unfit
-from wythe._study._pool import GUARD
+from wythe._study._pool import GUARD, check_script
 from wythe._study._samples import Sample
 from wythe._study._worker import Job, Outcome, run_sample
 
@@ -202,6 +202,7 @@ def on_cluster(cluster: Any, job: Job) -> Dask:
 
 def local_cluster(wanted: int, job: Job) -> Dask:
     """A local cluster owned by the study, with one thread per worker."""
+    check_script()
     dask: Any = importlib.import_module("dask")
     distributed: Any = importlib.import_module("distributed")
     own: list[Any] = []

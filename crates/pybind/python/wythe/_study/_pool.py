@@ -13,6 +13,7 @@ import os
 import pickle
 import queue
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -31,8 +32,35 @@ GUARD = (
     "imports the script"
 )
 
+# Exit code of a worker whose script starts workers while it is imported.
+UNGUARDED = 87
+
 # Number of attempts to start a process that is killed during its start.
 STARTS = 3
+
+
+def leave_import() -> None:
+    """Ends this process without a traceback if it is a worker that still imports the script: the waiting process
+    says what to write."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise SystemExit(UNGUARDED)
+
+
+def check_script() -> None:
+    """Rejects a script that cannot be imported by workers, before they start and write long tracebacks: one that knows
+    nothing of ``__name__`` starts the study again."""
+    leave_import()
+    main = sys.modules.get("__main__")
+    path = getattr(main, "__file__", None)
+    if path is None or getattr(main, "__spec__", None) is not None:
+        return
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    except (OSError, UnicodeDecodeError):
+        return
+    if "__name__" not in text and "parent_process" not in text:
+        raise WorkerBroken(GUARD)
 
 
 class WorkerDied(Exception):
@@ -52,6 +80,7 @@ class Workers(Executor):
     """
 
     def __init__(self, count: int | None = None) -> None:
+        check_script()
         if count is None:
             count = os.cpu_count() or 1
         self._max_workers = whole("count", count, 1)
@@ -185,6 +214,8 @@ class _Worker:
                 break
         if self._killed:
             raise WorkerDied("the worker processes were ended")
+        if process.exitcode == UNGUARDED:
+            raise WorkerBroken(GUARD)
         raise WorkerBroken(
             f"a worker process cannot start: it {cause}. What it wrote is above; {GUARD}"
         )

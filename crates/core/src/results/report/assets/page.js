@@ -3,6 +3,7 @@
 
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
+  takeColours(data.colours);
   const by = (id) => document.getElementById(id);
   const { series, view } = data;
   const rows = series.rows;

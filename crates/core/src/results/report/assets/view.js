@@ -2,16 +2,18 @@
 // The deformed wall in WebGL 2. Node positions and element values are textures: a frame uploads three small
 // textures, and a vertex is the number of a node.
 
-/** Colours of growing damage; sound elements have the colour of their material. */
-const RAMPS = {
-  tensile: ["#efa24c", "#c8321f", "#3b0512"],
-  compressive: ["#7cc0e8", "#1f63c4", "#0c1550"],
-  crack: ["#9bd17a", "#1f8a70", "#06304a"],
-};
-const SOUND = ["#d9a98d", "#e6e1d6", "#c4ba9c", "#b3c6d0", "#cbb3c9", "#b5cdb0"];
-/** Colours of joints that are softening, failed and open, failed and sliding. */
-const STATES = ["#b9b2a8", "#e3a32c", "#8a3ffc", "#0aa39a"];
-const STATE_NAMES = ["intact", "softening", "failed, open", "failed, sliding"];
+/** Colours of growing damage, of sound materials and of the states of joints, filled in from the table of the page. */
+const RAMPS = { tensile: [], compressive: [], crack: [] };
+const SOUND = [];
+const STATES = [];
+const STATE_NAMES = [];
+
+function takeColours(table) {
+  for (const kind of Object.keys(RAMPS)) RAMPS[kind] = table[kind];
+  SOUND.push(...table.sound);
+  STATES.push(...table.states);
+  STATE_NAMES.push(...table.state_names);
+}
 
 const SHARED = `#version 300 es
 precision highp float; precision highp int;
@@ -45,12 +47,12 @@ void main() {
 const SOLID_FRAGMENT = `#version 300 es
 precision highp float; precision highp int;
 in vec3 world; in vec2 uv; flat in vec3 value; flat in uvec2 who;
-uniform int mode; uniform vec3 eye; uniform vec3 ramp[3]; uniform vec3 sound[6]; uniform float grid, ghost;
+uniform int mode; uniform vec3 eye; uniform vec3 ramp[3]; uniform vec3 sound[8]; uniform float grid, ghost;
 out vec4 colour;
 vec3 hue(float h) { return clamp(abs(fract(h + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0); }
 void main() {
   vec3 n = normalize(cross(dFdx(world), dFdy(world)));
-  vec3 c = sound[int(who.y) % 6];
+  vec3 c = sound[int(who.y) % 8];
   if (mode < 3) {
     float v = mode == 0 ? value.x : mode == 1 ? value.y : value.z;
     c = v < 0.3333 ? mix(c, ramp[0], v * 3.0) : v < 0.6667 ? mix(ramp[0], ramp[1], v * 3.0 - 1.0) : mix(ramp[1], ramp[2], v * 3.0 - 2.0);
