@@ -17,6 +17,7 @@ use super::rigid;
 use super::scatter;
 use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::symmetry;
+use super::ties;
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::probes::Probe;
@@ -53,6 +54,7 @@ impl Model {
         errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
         let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
+        let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
@@ -65,6 +67,7 @@ impl Model {
             supports: parts.supports,
             initial_velocity: bodies.velocity,
             springs: parts.springs,
+            ties: ties.unwrap_or_default(),
             probes: parts.probes,
             steps: parts.loading.steps,
             output: errors.keep(deck.output()).unwrap_or_default(),

@@ -39,6 +39,7 @@ pub mod specimens;
 mod symmetry;
 mod tables;
 pub mod templates;
+mod ties;
 mod touch;
 mod unit;
 mod wall_defaults;

@@ -14,6 +14,7 @@ pub(crate) mod rounding;
 pub mod scene;
 pub mod sizes;
 pub mod surfaces;
+pub mod ties;
 
 pub use mesh::Mesh;
 pub use scene::Model;

@@ -6,6 +6,7 @@ use super::axis::{along_axis, component_along};
 use super::loads::Load;
 use super::probes::Probe;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
+use super::ties::{Tie, TieStage};
 use crate::element::Formulation;
 use crate::error::Warning;
 use crate::experiment::Experiment;
@@ -33,6 +34,8 @@ pub struct Model {
     pub initial_velocity: Vec<[f64; 3]>,
     /// Springs to the ground.
     pub springs: Vec<Spring>,
+    /// Ties, with two columns of the history each.
+    pub ties: Vec<Tie>,
     /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
     /// Named external loads.
@@ -62,6 +65,7 @@ impl Model {
             supports: Vec::new(),
             initial_velocity: Vec::new(),
             springs: Vec::new(),
+            ties: Vec::new(),
             probes: Vec::new(),
             loads: Vec::new(),
             steps: Vec::new(),
@@ -76,12 +80,13 @@ impl Model {
     }
 
     /// Columns of the history after those that every history has: the probes, then the loads, then the outputs of the
-    /// laws of the solids.
+    /// laws of the solids, then the ties.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
         let outputs = self.outputs().into_iter().map(|output| output.column());
-        probes.chain(loads).chain(outputs).collect()
+        let ties = self.ties.iter().flat_map(|tie| Tie::columns(&tie.name));
+        probes.chain(loads).chain(outputs).chain(ties).collect()
     }
 
     /// What the laws of the solids show, each name once; nothing where solids stay elastic.
@@ -272,6 +277,8 @@ pub struct Step {
     pub ground: GroundMotion,
     /// Movement of the driven end of each spring during the step, linear in time [mm]. Empty: none. `[spring][xyz]`
     pub springs: Vec<[f64; 3]>,
+    /// What the step does with each tie. Empty: all carry their law. `[tie]`
+    pub ties: Vec<TieStage>,
     /// Value of each load at the end of the step, or none for loads that stay constant. Empty: all stay constant.
     /// `[load]`
     pub loads: Vec<Option<[f64; 3]>>,
@@ -297,6 +304,7 @@ impl Default for Step {
             gravity: Gravity::None,
             ground: GroundMotion::default(),
             springs: Vec::new(),
+            ties: Vec::new(),
             loads: Vec::new(),
             amplitude: None,
         }

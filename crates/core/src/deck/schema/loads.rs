@@ -1,8 +1,8 @@
 //! `[[steps.loads]]`, `amplitude` and `cycles` of a step: loads, and how they and the drive change with time.
 
-use super::Names;
 use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
+use super::{DeckTie, Names};
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
 use crate::error::ModelError;
 use crate::material::LawOutput;
@@ -108,7 +108,7 @@ impl DeckStep {
 }
 
 impl Deck {
-    /// Additional columns of the history: probes, then loads.
+    /// Additional columns of the history: probes, loads, outputs of the laws, ties.
     pub fn columns(&self) -> Vec<String> {
         let probes = self
             .probes
@@ -119,7 +119,8 @@ impl Deck {
             .into_iter()
             .flat_map(|(_, load)| load.columns());
         let outputs = self.outputs().into_iter().map(|output| output.column());
-        probes.chain(loads).chain(outputs).collect()
+        let ties = self.ties.iter().flat_map(DeckTie::columns);
+        probes.chain(loads).chain(outputs).chain(ties).collect()
     }
 
     /// What the laws of its solids show, each name once; nothing where solids stay elastic.

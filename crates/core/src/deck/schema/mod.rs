@@ -26,6 +26,7 @@ mod stand_in;
 mod steps;
 mod symmetry;
 mod test;
+mod ties;
 pub(super) mod validate;
 mod wall;
 
@@ -50,6 +51,7 @@ pub use resumed::DeckChange;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use symmetry::{DeckSymmetry, Keep};
 pub use test::{DeckTest, TestKind};
+pub use ties::{DeckTie, TieBond};
 pub use wall::{
     Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
     Subdivision, Wall,
@@ -116,6 +118,9 @@ pub struct Deck {
     /// Springs to the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<DeckSpring>,
+    /// Ties: rods and bars.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<DeckTie>,
     /// Loading beams.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beams: Vec<DeckBeam>,
@@ -471,6 +476,7 @@ impl PartialEq for Deck {
             && self.contacts == other.contacts
             && self.supports == other.supports
             && self.springs == other.springs
+            && self.ties == other.ties
             && self.beams == other.beams
             && self.symmetry == other.symmetry
             && self.probes == other.probes

@@ -278,7 +278,8 @@ impl Run<'_> {
     }
 
     /// Additional columns of the last commit: probes, then the value of each load and its resultant, which is the
-    /// last part of `reactions` [N], then the largest value of each output of the solids.
+    /// last part of `reactions` [N], then the largest value of each output of the solids,
+    /// then the force [kN] and the stretch [mm] of each tie.
     pub(in crate::solve) fn columns(&self, reactions: &[[f64; 3]]) -> Vec<f64> {
         let (model, state) = (self.model, &self.state);
         let mut columns = probes(model, &self.system.dofs, state);
@@ -290,6 +291,9 @@ impl Run<'_> {
             columns.push(1e-3 * load.along(reactions[first + l]));
         }
         columns.extend(self.most_of_outputs());
+        for reading in self.system.ties.readings(&state.ties) {
+            columns.extend([1e-3 * reading.force, reading.stretch]);
+        }
         columns
     }
 }

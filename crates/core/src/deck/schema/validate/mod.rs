@@ -9,6 +9,7 @@ mod probes;
 mod references;
 mod steps;
 mod test;
+mod ties;
 mod wall;
 
 use super::form::Broken;
@@ -78,6 +79,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.imports();
     checks.probes();
     checks.loads();
+    checks.ties();
     checks.test();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
