@@ -98,6 +98,11 @@ impl NameRegistry {
                 twice.push(two_blocks(&format!("beams.{i}.name"), &beam.name));
             }
         }
+        for (i, layer) in deck.layers.iter().enumerate() {
+            if !roll.add(layer.name.clone()) {
+                twice.push(two_blocks(&format!("layers.{i}.name"), &layer.name));
+            }
+        }
         for (i, import) in deck.imports.iter().enumerate() {
             let imported = imports.and_then(|all| all.get(i));
             roll.add_import(&import.name, imported);
