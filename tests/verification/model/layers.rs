@@ -30,8 +30,10 @@ mu = 0.6
 [interfaces.glue]
 f_t = 50
 G_I = 50
+zeta = 4.38
 c = 50
 G_II = 50
+xi = 1.1
 tan_phi = 0.6
 mu = 0.6
 normal_stiffness = 1e4

@@ -8,7 +8,7 @@ use wythe::contact::CohesiveFrictional;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::model::builder::ModelBuilder;
-use wythe::model::scene::{BeamMotion, Driven, Step};
+use wythe::model::scene::{BeamMotion, Driven, Step, Tolerance};
 use wythe::model::ties::{TieFault, TieLaw, TieStage};
 use wythe::state::{Clock, HistoryRow};
 
@@ -209,7 +209,8 @@ fn a_slack_rod_carries_nothing_and_its_energy_closes() {
     let stressed = recording.rows[3].displacement_mm;
     let mut slack = 0;
     for row in &recording.rows[4..] {
-        let by = row.displacement_mm - stressed;
+        // The history counts displacements along the first drive, downwards.
+        let by = stressed - row.displacement_mm;
         let wanted = (PRESTRESS + E * AREA * by / LENGTH).max(0.0);
         let (found, _) = rod(row);
         assert!(
@@ -250,10 +251,11 @@ fn a_rod_is_free_of_stress_when_it_is_installed() {
     ]];
     let recording = completed(&model);
     for row in &recording.rows {
+        // The history counts displacements along the first drive, downwards.
         let wanted = if row.step == 0 {
             0.0
         } else {
-            E * AREA * (row.displacement_mm + 0.1) / LENGTH
+            E * AREA * (0.1 - row.displacement_mm) / LENGTH
         };
         let (found, _) = rod(row);
         assert!(
@@ -310,7 +312,7 @@ fn a_bonded_bar_takes_its_share() {
     );
 
     let mut model = scene::empty();
-    let stiff = elastic(1e8, 0.0);
+    let stiff = elastic(1e7, 0.0);
     let size = [200.0, 100.0, 100.0];
     let left = scene::block(&mut model, [0.0; 3], size, [2, 1, 1], &stiff);
     let right = scene::block(&mut model, [200.0, 0.0, 0.0], size, [2, 1, 1], &stiff);
@@ -325,11 +327,17 @@ fn a_bonded_bar_takes_its_share() {
     scene::beam(&mut model, right.face(Face::Right));
     let mut builder = ModelBuilder { model };
     builder.bonded_tie("bar", &line, 50.0, bar).unwrap();
-    builder.step(drive(0.05));
+    builder.step(Step {
+        tolerance: Tolerance {
+            residual: 1e-6,
+            max_iterations: 60,
+        },
+        ..drive(0.05)
+    });
     let recording = completed(&builder.build().unwrap());
     let end = recording.rows.last().unwrap();
     let wanted = E * AREA * 0.05 / 50.0;
-    // The blocks are 1e8/2e5 · 100 = 5e4 times as stiff as the bar.
+    // The blocks are 5e3 times as stiff as the bar, but for the elements that hold its points next to the joint.
     assert!(
         (1e3 * end.force_kN / wanted - 1.0).abs() < 1e-3,
         "{end:?} {wanted}"
@@ -697,6 +705,7 @@ head_joint = 10
 length = 520
 courses = 4
 unit_material = "brick"
+mortar_material = "brick"
 interface = "dry"
 
 [[ties]]

@@ -94,7 +94,6 @@ fn model() -> Model {
             ground: GroundMotion::default(),
             springs: Vec::new(),
             ties: Vec::new(),
-            ties: Vec::new(),
             loads: Vec::new(),
             amplitude: None,
         }],

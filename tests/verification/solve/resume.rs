@@ -503,7 +503,7 @@ fn loads_and_amplitudes() {
 #[test]
 fn blocks_held_by_a_rod_that_breaks() {
     let deck = Deck::from_str(
-        "format = 1\n[materials.stone]\nE = 1e4\nnu = 0.2\n\
+        "format = 1\n[materials.stone]\nE = 1e4\nnu = 0.2\ndensity = 2e-9\n\
          [interfaces.dry]\nf_t = 0\nc = 0\ntan_phi = 0.6\nmu = 0.6\nnormal_stiffness = 1e3\nshear_stiffness = 1e3\n\
          [[blocks]]\nname = \"base\"\nsize = [100, 100, 100]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
          [[blocks]]\nname = \"top\"\nsize = [100, 100, 100]\nat = [0, 0, 100]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\

@@ -135,7 +135,7 @@ impl Ties {
         for (segment, old) in self.segments.iter().zip(&state.ties) {
             let stage = (trial.ties.stages.get(segment.tie)).copied();
             let way = segment.way_at(&trial.displacement);
-            let before = segment.way_between(&trial.x_start, segment.nodes.as_slice());
+            let before = segment.way_between(&trial.x_start, &segment.nodes);
             let response = segment.respond(stage.unwrap_or_default(), old, way, before);
             for (n, c) in &segment.nodes {
                 for i in 0..3 {
@@ -194,6 +194,17 @@ impl Ties {
                 }
             }
         }
+    }
+
+    /// Σ |F n·Δd| over the segments at nodal displacements Δu [N mm].
+    pub(super) fn work_turned_over(&self, responses: &[TieResponse], du: &[[f64; 3]]) -> f64 {
+        let segments = self.segments.iter().zip(responses);
+        let work = |(segment, response): (&Segment, &TieResponse)| {
+            let by = segment.way_between(du, &segment.nodes);
+            let along: f64 = (0..3).map(|i| response.direction[i] * by[i]).sum();
+            (response.force * along).abs()
+        };
+        segments.map(work).sum()
     }
 
     /// Force and stretch of each tie at these histories. `[tie]`

@@ -7,7 +7,7 @@
 //! ```
 
 use super::bodies::Bodies;
-use super::quantity::{Length, Quantity};
+use super::quantity::Length;
 use super::schema::{Deck, DeckBlock, DeckContact, DeckLayer, Lattice, Names};
 use crate::element::hexahedron::{Face, area_vector, cross, difference, norm, range};
 use crate::error::{ErrorKind, Errors, ModelError};
