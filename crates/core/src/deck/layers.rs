@@ -122,13 +122,25 @@ fn lattice(
             "the faces do not lie in one plane: from {low:.2} to {high:.2} mm along its normal"
         ));
     }
+    let lattice = cells_of(&facets, (axis, out), low, layer.thickness.get());
+    let touching = 2 * axis + usize::from(out < 0.0);
+    Ok((lattice, Face::ALL[touching].0))
+}
+
+/// Cells over facets in the plane at `place` normal to an axis, from which the layer extends to the side `out` of it.
+fn cells_of(
+    facets: &[[[f64; 3]; 4]],
+    (axis, out): (usize, f64),
+    place: f64,
+    thickness: f64,
+) -> Lattice {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut lines = [Vec::new(), Vec::new(), Vec::new()];
     for d in [u, v] {
-        lines[d] = merged(&facets, d);
+        lines[d] = merged(facets, d);
     }
-    let beyond = low + out * layer.thickness.get();
-    lines[axis] = vec![low.min(beyond), low.max(beyond)];
+    let beyond = place + out * thickness;
+    lines[axis] = vec![place.min(beyond), place.max(beyond)];
     let cells = lines.each_ref().map(|at| at.len() - 1);
     let mut solid = vec![false; cells.iter().product()];
     let between = |d: usize, [from, to]: [f64; 2]| {
@@ -138,7 +150,7 @@ fn lattice(
             .filter(move |(_, x)| from < *x && *x < to);
         inside.collect::<Vec<_>>()
     };
-    for facet in &facets {
+    for facet in facets {
         let of = |d: usize| range(facet.iter().map(|x| x[d]));
         for (b, y) in between(v, of(v)) {
             for (a, x) in between(u, of(u)) {
@@ -152,8 +164,7 @@ fn lattice(
             }
         }
     }
-    let touching = 2 * axis + usize::from(out < 0.0);
-    Ok((Lattice { lines, solid }, Face::ALL[touching].0))
+    Lattice { lines, solid }
 }
 
 /// Coordinates of the corners of the facets along an axis, ascending; near ones are one.

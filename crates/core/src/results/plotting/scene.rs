@@ -418,13 +418,7 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
             )?;
         }
     }
-    for ends in &panel.ties {
-        let [(x1, y1), (x2, y2)] = ends.map(at);
-        writeln!(
-            svg,
-            r#"<path d="M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}" {TIE_STROKE}/>"#
-        )?;
-    }
+    draw_ties(svg, &panel.ties, at)?;
     for dot in &panel.dots {
         let (x, y) = at(*dot);
         writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2"/>"#)?;
@@ -436,6 +430,22 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
             [[x0, place], [x1, place]]
         };
         draw_plane(svg, d, ends.map(at))?;
+    }
+    Ok(())
+}
+
+/// Draws segments of ties; `at` gives pixels.
+fn draw_ties(
+    svg: &mut String,
+    ties: &[[[f64; 2]; 2]],
+    at: impl Fn([f64; 2]) -> (f64, f64),
+) -> std::fmt::Result {
+    for ends in ties {
+        let [(x1, y1), (x2, y2)] = ends.map(&at);
+        writeln!(
+            svg,
+            r#"<path d="M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}" {TIE_STROKE}/>"#
+        )?;
     }
     Ok(())
 }

@@ -81,12 +81,23 @@ impl Checks<'_> {
             );
             return;
         }
-        self.missing(
-            path,
-            "courses",
-            tie.along.is_some() && tie.courses.is_none(),
-        );
-        self.missing(path, "along", tie.courses.is_some() && tie.along.is_none());
+        for (name, there, needed) in [
+            ("courses", tie.courses.is_some(), tie.along.is_some()),
+            ("along", tie.along.is_some(), tie.courses.is_some()),
+        ] {
+            self.require(
+                there || !needed,
+                &key(name),
+                || format!("the key `{name}` is missing"),
+                &keys::example(&format!("ties.{name}")),
+            );
+        }
+        self.joints_of_tie(path, tie);
+    }
+
+    /// Checks the wall and the courses of bars in bed joints.
+    fn joints_of_tie(&mut self, path: &str, tie: &DeckTie) {
+        let key = |name: &str| format!("{path}.{name}");
         self.demand(
             tie.courses
                 .as_ref()
