@@ -1,6 +1,7 @@
 //! Layers on faces: their cells, a couplet that two of them hold together, rejected decks.
 
 use crate::common::blocks::{Bad, refuses};
+use crate::common::examples;
 use crate::common::scene::{completed, imbalance};
 use wythe::deck::Deck;
 use wythe::model::Model;
@@ -116,6 +117,16 @@ fn layers_hold_a_couplet_together() {
         .iter()
         .map(|row| row.force_kN)
         .fold(0.0, f64::max);
+    for row in recording.rows.iter().step_by(7) {
+        println!(
+            "{:.4} mm {:.4} kN, open {}, damage of joints {:.3}, of solids {:.3}",
+            row.displacement_mm,
+            row.force_kN,
+            row.open_points,
+            row.max_interface_damage,
+            row.max_tensile_damage
+        );
+    }
     let strength = 1e-3 * 1.0 * 2.0 * 10.0 * 100.0;
     println!("{most} of {strength} kN");
     // The element beside the joint hands part of the force of the section at the joint to the stone, so that its mean
@@ -204,4 +215,20 @@ fn wrong_layers_are_rejected() {
         "on = \"lower.front\"",
     );
     refuses(&turned, bad);
+}
+
+/// The wallette of example 95 carries more than that of example 83, which is the same without render.
+#[test]
+fn render_strengthens_a_wallette_in_shear() {
+    let peak = |name: &str| {
+        let (_, recording) = examples::completed(name, &[]);
+        recording
+            .rows
+            .iter()
+            .map(|row| row.force_kN)
+            .fold(0.0, f64::max)
+    };
+    let [bare, rendered] = ["83_wallette_in_shear", "95_wallette_with_render"].map(peak);
+    println!("peak {bare} kN bare, {rendered} kN with render");
+    assert!(rendered > 1.1 * bare, "{bare} {rendered}");
 }

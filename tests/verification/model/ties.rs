@@ -1,6 +1,7 @@
 //! Ties: closed forms of forces and energies, tangents, objectivity, rejected decks.
 
 use crate::common::blocks::{Bad, GRAVITY, HEAD, PAIR, refuses};
+use crate::common::examples;
 use crate::common::scene::{self, Face, completed, elastic, imbalance};
 use nalgebra::{DMatrix, Rotation3, Vector3};
 use wythe::assembly::{Evaluation, Solids, System, Trial, Turning};
@@ -10,7 +11,7 @@ use wythe::model::Model;
 use wythe::model::builder::ModelBuilder;
 use wythe::model::scene::{BeamMotion, Driven, Step, Tolerance};
 use wythe::model::ties::{TieFault, TieLaw, TieStage};
-use wythe::state::{Clock, HistoryRow};
+use wythe::state::{Clock, HistoryRow, Status};
 
 /// Area [mm²], Young's modulus, yield stress and hardening of the rod [MPa]; its length [mm], prestress [N] and strain
 /// at rupture.
@@ -815,4 +816,51 @@ fn bars_in_bed_joints_are_bound_to_both_courses() {
         ),
     ];
     refuses(WALL, bad);
+}
+
+/// Without the rod the arch of example 93 falls; with it the arch stands.
+#[test]
+fn a_rod_keeps_a_thin_arch_from_falling() {
+    let deck = examples::load("93_arch_with_a_tie", &[]);
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let (recording, summary) = scene::run(&model);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    let (force, stretch) = rod(recording.rows.last().unwrap());
+    let weight = 2e-9 * 9810.0 * std::f64::consts::PI * 1000.0 * 85.0 * 200.0;
+    println!("force {force} N, stretch {stretch} mm, weight of the arch {weight} N");
+    // Elastic: E A/L. It carries a small part of the weight.
+    let stiffness = 210e3 * 0.25 * std::f64::consts::PI * 64.0 / 1496.2;
+    assert!((force / (stiffness * stretch) - 1.0).abs() < 1e-6);
+    assert!(force > 0.0 && force < 0.5 * weight, "{force}");
+    let mut without = model;
+    without.ties.clear();
+    for step in &mut without.steps {
+        step.ties.clear();
+    }
+    let (_, summary) = scene::run(&without);
+    assert_ne!(summary.status, Status::Completed, "{}", summary.message);
+}
+
+/// The bars of example 94 carry on, up to their yield force, where the masonry has torn.
+#[test]
+fn bars_carry_on_where_a_wallette_tears() {
+    let (_, with) = examples::completed("94_wallette_with_bars", &[]);
+    let last = with.rows.last().unwrap();
+    let bars = last.probes[last.probes.len() - 4] + last.probes[last.probes.len() - 2];
+    let most = with.rows.iter().map(|row| row.force_kN).fold(0.0, f64::max);
+    let area = 0.25 * std::f64::consts::PI * 16.0;
+    println!(
+        "at the end {} kN, of them {bars} kN of the bars; most {most} kN",
+        last.force_kN
+    );
+    // Four bars: the force of yielding, and hardening of 1 GPa up to the strain of rupture.
+    let yields = 4.0 * 500.0 * area * 1e-3;
+    assert!(
+        bars <= yields * (1.0 + 1e3 * 0.05 / 500.0),
+        "{bars} {yields}"
+    );
+    assert!(
+        bars > 0.2 * yields && last.force_kN > 0.9 * bars,
+        "{bars} {last:?}"
+    );
 }
