@@ -57,6 +57,7 @@ fn model() -> Model {
         supports: Vec::new(),
         initial_velocity: Vec::new(),
         springs: Vec::new(),
+        ties: Vec::new(),
         sections: Vec::new(),
         probes: vec![Probe {
             column: "gap_mm".to_owned(),
@@ -94,6 +95,7 @@ fn model() -> Model {
             gravity: Gravity::None,
             ground: GroundMotion::default(),
             springs: Vec::new(),
+            ties: Vec::new(),
             loads: Vec::new(),
             amplitude: None,
         }],

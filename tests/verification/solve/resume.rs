@@ -60,6 +60,7 @@ fn through_a_file(checkpoint: &Checkpoint) -> Checkpoint {
         messages: None,
         wall_s: 0.0,
         cpu_s: None,
+        peak: None,
         solver: checkpoint.clone(),
     };
     file.write(&path).unwrap();
@@ -497,4 +498,29 @@ fn loads_and_amplitudes() {
     ];
     let model = deck("examples/40_airbag.toml", &rows);
     goes_on_as_if_nothing_had_happened(&model, "rows", 31);
+}
+
+/// A rod is stressed, yields and breaks.
+#[test]
+fn blocks_held_by_a_rod_that_breaks() {
+    let deck = Deck::from_str(
+        "format = 1\n[materials.stone]\nE = 1e4\nnu = 0.2\ndensity = 2e-9\n\
+         [interfaces.dry]\nf_t = 0\nc = 0\ntan_phi = 0.6\nmu = 0.6\nnormal_stiffness = 1e3\nshear_stiffness = 1e3\n\
+         [[blocks]]\nname = \"base\"\nsize = [100, 100, 100]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
+         [[blocks]]\nname = \"top\"\nsize = [100, 100, 100]\nat = [0, 0, 100]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
+         [[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n\
+         [[supports]]\non = \"base.bottom\"\n\
+         [[ties]]\nname = \"rod\"\npoints = [[50, 50, 20], [50, 50, 180]]\ndiameter = 10\nE = 2e5\nf_y = 300\n\
+         hardening = 1e3\nrupture = 0.01\nprestress = 1e4\n\
+         [[steps]]\nname = \"stress\"\nkind = \"free\"\nincrements = { initial = 0.25, max = 0.25 }\n\
+         [[steps]]\nkind = \"drive\"\nface = \"top.top\"\ndirection = \"z\"\ndisplacement = 3\n\
+         increments = { initial = 0.03, max = 0.03 }\n",
+        "rod.toml",
+    )
+    .unwrap();
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let rows = goes_on_as_if_nothing_had_happened(&model, "rod", 5);
+    let force = |row: &HistoryRow| row.probes[row.probes.len() - 2];
+    let most = rows.iter().map(force).fold(0.0, f64::max);
+    assert!(most > 23.6 && force(rows.last().unwrap()) == 0.0, "{most}");
 }

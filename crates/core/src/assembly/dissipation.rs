@@ -4,15 +4,14 @@
 use super::{System, Trial};
 
 impl System {
-    /// Work of the internal forces of an increment: Σ |f·Δu| over the elements and contact cells [N mm]. `trial`
+    /// Work of the internal forces of an increment: Σ |f·Δu| over the elements, contact cells and ties [N mm]. `trial`
     /// ends the increment, `dq` is its displacement [mm] `[slot]`. Rigid motion does no work.
     pub fn work_turned_over(&self, trial: &Trial, dq: &[f64]) -> f64 {
         let mut way = vec![[0.0; 3]; self.bulk.reference.len()];
         self.dofs.spread(dq, &mut way);
-        self.loaded_cells()
-            .zip(&trial.cells.force)
-            .map(|(nodes, force)| work(nodes, force, &way).abs())
-            .sum()
+        let cells = self.loaded_cells().zip(&trial.cells.force);
+        let of_cells = cells.map(|(nodes, force)| work(nodes, force, &way).abs());
+        of_cells.sum::<f64>() + self.ties.work_turned_over(&trial.ties.segments, &way)
     }
 
     /// Gradient c with c·Δq = dissipation of the elements and facets in the increment that `trial` ends [N].

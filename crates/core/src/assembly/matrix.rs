@@ -43,6 +43,7 @@ impl System {
         cells.extend(self.contact.cells());
         cells.extend(self.general.cells());
         cells.extend(self.springs.cells());
+        cells.extend(self.ties.cells());
         cells.extend(self.outside.cells());
         cells.extend(self.steered_cells());
         let gather = Gather::new(&cells, dofs, equations, backend.kind());

@@ -1,5 +1,5 @@
 //! Assembly of the equations of a model: unknowns, matrix pattern, forces and stiffness of solids, joints,
-//! springs and loads.
+//! springs, ties and loads.
 
 mod branch_holding;
 pub mod bulk;
@@ -20,6 +20,7 @@ mod solid;
 mod springs;
 mod steered;
 mod stiffness_reuse;
+mod ties;
 mod traction_patterns;
 mod trial;
 
@@ -36,15 +37,17 @@ pub use sections::Cut;
 pub use small_motion::PointMotion;
 pub use springs::Springs;
 pub use steered::Steered;
+pub use ties::{TieReading, TieResponse, Ties};
 pub use trial::{
     Awake, STIFFEST_UNDER_LOADS, Trial, TrialCells, TrialJoints, TrialShift, TrialSolids,
-    TrialTouches,
+    TrialTies, TrialTouches,
 };
 
 use crate::linear::Analysis;
 use crate::material::{LocalFailure, MaterialHistory};
 use crate::model::Model;
 use crate::model::scene::Fidelity;
+use crate::model::ties::TieStage;
 use crate::state::{Poses, State};
 use pattern::CELL;
 use wythe_contact::PointPair;
@@ -88,6 +91,8 @@ pub struct System {
     pub mass: Mass,
     /// Springs to the ground.
     pub springs: Springs,
+    /// Ties.
+    pub ties: Ties,
     /// Named loads.
     pub outside: ExternalLoads,
     /// Sections.
@@ -130,6 +135,7 @@ impl System {
             bulk,
             contact: Contact::new(model),
             springs: Springs::new(model),
+            ties: Ties::new(model),
             outside: ExternalLoads::new(model),
             cuts: Cut::all(model),
             steered: None,
@@ -152,6 +158,7 @@ impl System {
             force: vec![0.0; self.dofs.slots],
             spring_ends: vec![[0.0; 3]; model.springs.len()],
             spring_forces: vec![[0.0; 3]; model.springs.len()],
+            ties: self.ties.virgin(),
             loads: vec![[0.0; 3]; model.loads.len()],
             applied: vec![0.0; self.dofs.slots],
             damping: vec![0.0; self.dofs.slots],
@@ -260,7 +267,8 @@ impl System {
         let n_elements = self.bulk.elements.len();
         let n_contact = n_elements + self.contact.cell_count();
         let n_loaded = n_contact + self.general.cells().len();
-        let external = self.springs.cells().len() + self.outside.cells().len();
+        let held = self.springs.cells().len() + self.ties.cells().len();
+        let external = held + self.outside.cells().len();
         let n_cells = n_loaded + external + self.steered_cells().len();
         self.place(trial, q);
         trial.cells.force.resize(n_loaded, [[0.0; 3]; 8]);
@@ -288,7 +296,7 @@ impl System {
                 }
             }
         }
-        self.evaluate_external(trial, setting, n_loaded);
+        self.evaluate_external(state, trial, setting, n_loaded);
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);
         let magnitude: f64 = trial.cells.force[..n_elements]
@@ -300,11 +308,18 @@ impl System {
         Ok(())
     }
 
-    /// Evaluates springs, follower loads and the stiffness along the displacement that steers the load. Their cells
+    /// Evaluates springs, ties, follower loads and the stiffness along the displacement that steers the load. Their cells
     /// begin at `n_loaded`.
-    fn evaluate_external(&self, trial: &mut Trial, setting: Evaluation, n_loaded: usize) {
+    fn evaluate_external(
+        &self,
+        state: &State,
+        trial: &mut Trial,
+        setting: Evaluation,
+        n_loaded: usize,
+    ) {
         let n_sprung = n_loaded + self.springs.cells().len();
-        let n_pressed = n_sprung + self.outside.cells().len();
+        let n_tied = n_sprung + self.ties.cells().len();
+        let n_pressed = n_tied + self.outside.cells().len();
         let n_cells = n_pressed + self.steered_cells().len();
         if !trial.spring_ends.is_empty() {
             let (u, ends) = (&trial.displacement, &trial.spring_ends);
@@ -317,18 +332,26 @@ impl System {
                 trial.cells.active[n_loaded..n_sprung].fill(true);
             }
         }
-        let pressed = n_sprung..n_pressed;
+        self.ties.evaluate(state, trial);
+        if setting.tangent && n_tied > n_sprung {
+            let secant = setting.turning == Turning::Ignored;
+            let cells = &mut trial.cells.stiffness[n_sprung * CELL..n_tied * CELL];
+            (self.ties).write_stiffness(&trial.ties.segments, secant, cells);
+            trial.cells.changed[n_sprung..n_tied].fill(true);
+            trial.cells.active[n_sprung..n_tied].fill(true);
+        }
+        let pressed = n_tied..n_pressed;
         let were = setting.tangent && trial.cells.active[pressed.clone()].contains(&true);
         let turns = setting.tangent && setting.turning == Turning::Exact;
-        if turns && n_pressed > n_sprung && !trial.loads.is_empty() {
+        if turns && n_pressed > n_tied && !trial.loads.is_empty() {
             self.outside.write_stiffness(
                 &trial.loads,
                 &trial.x,
-                &mut trial.cells.stiffness[n_sprung * CELL..n_pressed * CELL],
-                &mut trial.cells.active[n_sprung..n_pressed],
+                &mut trial.cells.stiffness[n_tied * CELL..n_pressed * CELL],
+                &mut trial.cells.active[n_tied..n_pressed],
             );
         } else if setting.tangent {
-            trial.cells.active[n_sprung..n_pressed].fill(false);
+            trial.cells.active[n_tied..n_pressed].fill(false);
         }
         if were || turns {
             trial.cells.changed[pressed].fill(true);
@@ -397,10 +420,11 @@ impl System {
             + trial.general.loss[0]
     }
 
-    /// Terms of the trapezoidal rule for points that open or close in the increment that `trial` ends [N mm]
+    /// Terms of the trapezoidal rule for points that open or close, and for ties, in the increment that `trial` ends [N mm]
     /// (theory/energies.md, eqs 9 and 10).
     pub fn crossing_work(&self, model: &Model, state: &State, trial: &Trial) -> f64 {
-        let planned = self.contact.crossing_work(model, state, trial);
+        let planned =
+            self.contact.crossing_work(model, state, trial) + trial.ties.sum(|tie| tie.numerical);
         if self.general.is_absent() {
             return planned;
         }
@@ -417,7 +441,7 @@ impl System {
         self.steered.as_ref().map_or(&[], Steered::cells)
     }
 
-    /// Elastic energy of solids, joints and springs at the trial's positions [N mm].
+    /// Elastic energy of solids, joints, springs and ties at the trial's positions [N mm].
     pub fn elastic_energy(&self, trial: &Trial, spring_forces: &[[f64; 3]]) -> f64 {
         trial.solids.energy.iter().map(|e| e.elastic).sum::<f64>()
             + trial.joints.energy.iter().map(|e| e[0]).sum::<f64>()
@@ -428,6 +452,7 @@ impl System {
                 .map(|t| t.energy[0])
                 .sum::<f64>()
             + self.springs.energy(spring_forces.iter().copied())
+            + trial.ties.sum(|tie| tie.elastic)
     }
 
     /// Forces of the springs on their nodes at the trial's positions [N]. `[spring][xyz]`
@@ -447,6 +472,13 @@ impl System {
             self.dofs.collect(&force, &mut p);
         }
         p
+    }
+
+    /// Internal forces at the trial's positions of ties that are stressed, per unit of the load factor, if they are in
+    /// these stages at its end [N]. `[slot]`
+    pub fn tie_pull(&self, trial: &Trial, stages: &[TieStage]) -> Vec<f64> {
+        let responses = &trial.ties.segments;
+        self.on_slots(|force| self.ties.add_jacking(stages, responses, force))
     }
 
     /// Forces of loads with fixed direction and these values on all slots, unknown and prescribed [N]. `[slot]`
@@ -474,6 +506,7 @@ impl System {
         self.dofs.spread(dq, &mut du);
         let mut force = vec![[0.0; 3]; nodes];
         let connectivity = self.loaded_cells().chain(self.springs.cells());
+        let connectivity = connectivity.chain(self.ties.cells());
         let connectivity = connectivity.chain(self.outside.cells());
         let connectivity = connectivity.chain(self.steered_cells());
         for (c, nodes) in connectivity.enumerate() {

@@ -31,6 +31,9 @@ pub struct Cut {
     slave: Vec<Side>,
     master: Vec<Side>,
     general: Vec<Side>,
+    /// Nodes of elements below, and those of elements above that are none of them.
+    nodes_below: FxHashSet<u32>,
+    nodes_above: FxHashSet<u32>,
     /// Nodes whose mean displacement moves the centre.
     nodes: Vec<u32>,
 }
@@ -102,16 +105,22 @@ impl Cut {
             let nodes = mesh.elements[*e as usize].map(|n| below.contains(&n));
             nodes.contains(&true).then_some((*e, nodes))
         });
+        let above = section.above.iter();
+        let above = above.flat_map(|e| mesh.elements[*e as usize]);
+        let above: FxHashSet<u32> = above.filter(|n| !below.contains(n)).collect();
+        let common: Vec<(u32, [bool; 8])> = common.collect();
         let sides = |behind: &Vec<Option<u32>>| -> Vec<Side> {
             let of = |element: &Option<u32>| element.map_or(0, |e| side[e as usize]);
             behind.iter().map(of).collect()
         };
         let [slave, master, general] = behind.map(sides);
         Self {
-            solids: common.collect(),
+            solids: common,
             slave,
             master,
             general,
+            nodes_below: below,
+            nodes_above: above,
             nodes: nodes_at(model, section),
             section: section.clone(),
         }
@@ -196,6 +205,15 @@ impl System {
             if sides[0] * sides[1] == -1 {
                 let below = |a: usize| (a < 4) == (sides[0] < 0);
                 take(nodes, &forces[first + cell], &below);
+            }
+        }
+        // Ties between both parts.
+        for (nodes, along) in self.ties.forces(&trial.ties.segments) {
+            if nodes.iter().any(|(n, _)| cut.nodes_above.contains(n)) {
+                let below = nodes.iter().filter(|(n, _)| cut.nodes_below.contains(n));
+                for (n, weight) in below {
+                    take(&[*n], &[along.map(|f| weight * f)], &|_| true);
+                }
             }
         }
         cut.section.values(sum.force, sum.moment)

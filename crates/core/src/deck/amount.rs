@@ -173,6 +173,8 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("supports", deck.supports.len(), MOST_ENTRIES),
         ("springs", deck.springs.len(), MOST_ENTRIES),
         ("beams", deck.beams.len(), MOST_ENTRIES),
+        ("ties", deck.ties.len(), MOST_ENTRIES),
+        ("layers", deck.layers.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
         ("sections", deck.sections.len(), MOST_ENTRIES),
         ("imports", deck.imports.len(), MOST_ENTRIES),

@@ -6,6 +6,7 @@ use super::bodies::Bodies;
 use super::findings;
 use super::general;
 use super::held::{Holding, require_held, require_held_each_way};
+use super::layers;
 use super::loading::{Loading, loading};
 use super::loads;
 use super::masonry;
@@ -18,6 +19,7 @@ use super::scatter;
 use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
 use super::sections;
 use super::symmetry;
+use super::ties;
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::probes::Probe;
@@ -35,6 +37,7 @@ impl Model {
             return Err(nothing_to_load(deck));
         }
         let deck = &*beams::written_out(deck)?;
+        let deck = &*layers::written_out(deck)?;
         let mut errors = Errors::default();
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;
@@ -55,6 +58,7 @@ impl Model {
         errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
         let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
+        let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
@@ -67,6 +71,7 @@ impl Model {
             supports: parts.supports,
             initial_velocity: bodies.velocity,
             springs: parts.springs,
+            ties: ties.unwrap_or_default(),
             probes: parts.probes,
             sections: parts.sections,
             steps: parts.loading.steps,

@@ -184,11 +184,30 @@ fixed = ["x", "y", "z"]
 box = [[0, 53, 0], [795, 53, 0]]  # only the nodes in it: lower and upper corner
 [[springs]]
 springs.stiffness => stiffness = ["20 N/mm", 0, 0]  # along x, y, z
+[[ties]]
+ties.points => points = [[0, "50 mm", "1 m"], ["2 m", "50 mm", "1 m"]]  # its ends; more where it is bonded
+ties.along => along = "wall"  # whose bed joints have the bars
+ties.courses => courses = [3, 6]  # from 0: bars in the bed joint on each
+area = "314 mm^2"  # of all bars together
+diameter = "20 mm"  # of a bar
+bars = 2
+ties.E => E = "210 GPa"
+f_y = "355 MPa"
+hardening = "2 GPa"  # slope over the plastic strain
+rupture = 0.05  # strain at which it breaks
+compression = true  # false: it becomes slack
+prestress = "20 kN"  # of all bars together
+ties.step => step = "stress"  # in which it is installed and stressed
+ties.bond => bond = "anchored"  # at its ends; or "bonded" along its length
+unbonded = "120 mm"  # free length of a bonded tie at each joint
 [[beams]]
 beam = "beam"  # of [[beams]]
 depth = "200 mm"
 rotation = "free"  # or "level"
 beams.on => on = "wall.top"  # level faces
+[[layers]]
+layers.on => on = "wall.front"  # faces of one plane
+layers.thickness => thickness = "10 mm"
 [[symmetry]]
 normal = "x"  # or "y", "z"
 symmetry.at => at = "480 mm"  # along the normal
@@ -236,9 +255,9 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 11] = [
-    "walls", "blocks", "imports", "contacts", "supports", "springs", "beams", "symmetry", "probes",
-    "sections", "steps",
+pub(super) const LISTS: [&str; 13] = [
+    "walls", "blocks", "imports", "contacts", "supports", "springs", "ties", "beams", "layers",
+    "symmetry", "probes", "sections", "steps",
 ];
 
 /// Tables that contain named tables.

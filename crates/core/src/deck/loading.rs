@@ -225,6 +225,7 @@ pub(super) fn rules(
         gravity: gravity.unwrap_or_default(),
         ground: ground.unwrap_or_default(),
         springs: Vec::new(),
+        ties: Vec::new(),
         loads: Vec::new(),
         amplitude,
     })

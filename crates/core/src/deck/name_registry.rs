@@ -93,9 +93,11 @@ impl NameRegistry {
                 twice.push(two_blocks(&format!("blocks.{index}.name"), &block.name));
             }
         }
-        for (i, beam) in deck.beams.iter().enumerate() {
-            if !roll.add(beam.name.clone()) {
-                twice.push(two_blocks(&format!("beams.{i}.name"), &beam.name));
+        let beams = deck.beams.iter().map(|beam| ("beams", &beam.name));
+        let layers = deck.layers.iter().map(|layer| ("layers", &layer.name));
+        for (i, (table, name)) in beams.enumerate().chain(layers.enumerate()) {
+            if !roll.add(name.clone()) {
+                twice.push(two_blocks(&format!("{table}.{i}.name"), name));
             }
         }
         for (i, import) in deck.imports.iter().enumerate() {

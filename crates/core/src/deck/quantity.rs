@@ -17,6 +17,8 @@ pub struct Quantity<const L: i8, const M: i8, const T: i8, const A: i8>(f64);
 pub type Number = Quantity<0, 0, 0, 0>;
 /// Length [mm].
 pub type Length = Quantity<1, 0, 0, 0>;
+/// Area [mm²].
+pub type Area = Quantity<2, 0, 0, 0>;
 /// Inverse of a length [1/mm].
 pub type InverseLength = Quantity<-1, 0, 0, 0>;
 /// Pressure, stress, modulus [MPa].

@@ -6,6 +6,7 @@ pub mod facet;
 mod formulation;
 pub mod hex8;
 pub mod hexahedron;
+pub mod inside;
 pub mod kinematics;
 mod tangent;
 

@@ -5,6 +5,7 @@ use super::general::{DryStiffness, GeneralContact};
 use super::probes::{Probe, ProbeQuantity};
 use super::scene::{Beam, HeldBy, NamedMaterial, Step, Support};
 use super::surfaces::{JointSide, joint_stiffness};
+use super::ties::{self, Bonded, Tie, TieFault, TieLaw, TiePoint};
 use super::{Mesh, Model};
 use crate::element::hexahedron::{Face, area_vector, norm};
 use crate::material::MaterialParameters;
@@ -105,7 +106,7 @@ pub enum BuildError {
     Count {
         /// Name of the step.
         step: String,
-        /// Kind of the parts: beams, springs or loads.
+        /// Kind of the parts: beams, springs, ties or loads.
         kind: &'static str,
         /// Number of entries.
         given: usize,
@@ -288,6 +289,45 @@ impl ModelBuilder {
         }
     }
 
+    /// Adds a tie that is held at its two ends only [mm]; returns its index. It is there from the start, unless
+    /// [`Step::ties`] say otherwise. Add it after the bodies that it ties, once they are rotated.
+    ///
+    /// # Errors
+    /// [`TieFault`]: ends outside all blocks, or in one element.
+    pub fn tie(&mut self, name: &str, ends: [[f64; 3]; 2], law: TieLaw) -> Result<usize, TieFault> {
+        let points = ties::anchored(&self.model.mesh, ends)?;
+        Ok(self.add_tie(name, points, law))
+    }
+
+    /// Adds a tie along a line of points [mm] that is bound to all blocks which it crosses, but for the length
+    /// `unbonded` [mm] at each joint, half of it on either side; returns its index.
+    ///
+    /// # Errors
+    /// [`TieFault`]: ends outside all blocks, all in one element, a line in the common face of two blocks.
+    pub fn bonded_tie(
+        &mut self,
+        name: &str,
+        line: &[[f64; 3]],
+        unbonded: f64,
+        law: TieLaw,
+    ) -> Result<usize, TieFault> {
+        let of = Bonded {
+            unbonded,
+            only: None,
+        };
+        let points = ties::bonded(&self.model.mesh, line, &of)?;
+        Ok(self.add_tie(name, points, law))
+    }
+
+    fn add_tie(&mut self, name: &str, points: Vec<TiePoint>, law: TieLaw) -> usize {
+        self.model.ties.push(Tie {
+            name: name.to_owned(),
+            law,
+            strands: vec![points],
+        });
+        self.model.ties.len() - 1
+    }
+
     /// Adds a step.
     pub fn step(&mut self, step: Step) {
         self.model.steps.push(step);
@@ -394,6 +434,11 @@ fn check(model: &Model) -> Result<(), BuildError> {
     for spring in &model.springs {
         check_nodes(&format!("spring {}", spring.name), &spring.nodes, nodes)?;
     }
+    for tie in &model.ties {
+        for node in tie.strands.iter().flatten().flat_map(|point| &point.nodes) {
+            check_nodes(&format!("tie {}", tie.name), &[node.0], nodes)?;
+        }
+    }
     for (facet, law) in contact.slave_law.iter().enumerate() {
         let owner = || format!("slave facet {facet}");
         check_index(owner, "law", usize::from(*law), contact.laws.len())?;
@@ -443,6 +488,9 @@ fn check_step(model: &Model, step: &Step) -> Result<(), BuildError> {
     count("beams", step.motion.len(), model.beams.len())?;
     if !step.springs.is_empty() {
         count("springs", step.springs.len(), model.springs.len())?;
+    }
+    if !step.ties.is_empty() {
+        count("ties", step.ties.len(), model.ties.len())?;
     }
     if !step.loads.is_empty() {
         count("loads", step.loads.len(), model.loads.len())?;

@@ -17,6 +17,7 @@ pub mod scene;
 pub mod sections;
 pub mod sizes;
 pub mod surfaces;
+pub mod ties;
 
 pub use mesh::Mesh;
 pub use scene::Model;

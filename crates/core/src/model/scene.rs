@@ -8,6 +8,7 @@ use super::probes::Probe;
 use super::reactions;
 use super::sections::Section;
 pub use super::surfaces::{ContactPoints, ContactSurfaces};
+use super::ties::{Tie, TieStage};
 use crate::element::Formulation;
 use crate::error::Warning;
 use crate::experiment::Experiment;
@@ -35,6 +36,8 @@ pub struct Model {
     pub initial_velocity: Vec<[f64; 3]>,
     /// Springs to the ground.
     pub springs: Vec<Spring>,
+    /// Ties, with two columns of the history each.
+    pub ties: Vec<Tie>,
     /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
     /// Sections, with six columns of the history each.
@@ -66,6 +69,7 @@ impl Model {
             supports: Vec::new(),
             initial_velocity: Vec::new(),
             springs: Vec::new(),
+            ties: Vec::new(),
             probes: Vec::new(),
             sections: Vec::new(),
             loads: Vec::new(),
@@ -81,16 +85,17 @@ impl Model {
     }
 
     /// Columns of the history after those that every history has: the probes, the loads, the outputs of the laws of the
-    /// solids, the base shear and the reactions of the supports, the sections.
+    /// solids, the ties, the base shear and the reactions of the supports, the sections.
     pub fn columns(&self) -> Vec<String> {
         let probes = self.probes.iter().map(|probe| probe.column.clone());
         let loads = self.loads.iter().flat_map(|load| load.columns.clone());
         let outputs = self.outputs().into_iter().map(|output| output.column());
+        let ties = self.ties.iter().flat_map(|tie| Tie::columns(&tie.name));
         let supports = self.supports_on_ground().map(|(_, support)| support);
         let reactions = reactions::columns(supports.map(|s| (s.name.as_str(), s.fixed)));
         let sections = self.sections.iter();
         let sections = sections.flat_map(|s| Section::columns(&s.name, &s.directions));
-        let of_solver = probes.chain(loads).chain(outputs);
+        let of_solver = probes.chain(loads).chain(outputs).chain(ties);
         of_solver.chain(reactions).chain(sections).collect()
     }
 
@@ -282,6 +287,8 @@ pub struct Step {
     pub ground: GroundMotion,
     /// Movement of the driven end of each spring during the step, linear in time [mm]. Empty: none. `[spring][xyz]`
     pub springs: Vec<[f64; 3]>,
+    /// What the step does with each tie. Empty: all carry their law. `[tie]`
+    pub ties: Vec<TieStage>,
     /// Value of each load at the end of the step, or none for loads that stay constant. Empty: all stay constant.
     /// `[load]`
     pub loads: Vec<Option<[f64; 3]>>,
@@ -307,6 +314,7 @@ impl Default for Step {
             gravity: Gravity::None,
             ground: GroundMotion::default(),
             springs: Vec::new(),
+            ties: Vec::new(),
             loads: Vec::new(),
             amplitude: None,
         }

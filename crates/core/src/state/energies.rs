@@ -20,11 +20,11 @@ pub fn is_moving(kinetic: f64, before: f64, taken: f64) -> bool {
 /// Energies since the start [N mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
-    /// Work of reactions, loads, gravity and the ground, and the energy of initial velocities.
+    /// Work of reactions, loads, gravity, the ground and jacks of ties, and the energy of initial velocities.
     pub external: f64,
-    /// Present elastic energy of solids, joints and springs.
+    /// Present elastic energy of solids, joints, springs and ties.
     pub elastic: f64,
-    /// Plastic work and damage of the solids.
+    /// Plastic work and damage of the solids; plastic work of ties, and their energy when they break.
     pub plastic_damage: f64,
     /// Dissipation of the joints.
     pub interface: f64,

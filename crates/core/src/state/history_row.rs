@@ -26,7 +26,7 @@ pub struct HistoryRow {
     /// Work of reactions, loads, gravity and the ground since the start, and the energy of initial
     /// velocities [J].
     pub external_work_J: f64,
-    /// Present elastic energy of solids, joints and springs [J].
+    /// Present elastic energy of solids, joints, springs and ties [J].
     pub elastic_energy_J: f64,
     /// Plastic work and damage of the solids since the start [J].
     pub plastic_damage_dissipation_J: f64,

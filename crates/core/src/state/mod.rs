@@ -11,6 +11,7 @@ mod method;
 mod motion;
 mod pose;
 mod summary;
+mod tie;
 mod touch;
 
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,7 @@ pub use method::Method;
 pub use motion::Motion;
 pub use pose::{PointPose, Poses};
 pub use summary::{Fall, FallenBody, Lost, Status, Summary};
+pub use tie::TieHistory;
 pub use touch::{Kind, Touch};
 
 /// The last committed increment, from which the next one is extrapolated.
@@ -63,6 +65,8 @@ pub struct State {
     pub spring_ends: Vec<[f64; 3]>,
     /// Forces of the springs on their nodes [N]. `[spring][xyz]`
     pub spring_forces: Vec<[f64; 3]>,
+    /// Histories of the ties. `[segment]`
+    pub ties: Vec<TieHistory>,
     /// Values of the named loads. `[load]`
     pub loads: Vec<[f64; 3]>,
     /// External forces on the beams at the last commit [N]. Zero at nodes. `[slot]`

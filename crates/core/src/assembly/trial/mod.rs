@@ -3,11 +3,13 @@
 mod cells;
 mod points;
 mod shift;
+mod ties;
 
 pub use cells::TrialCells;
 pub use points::{TrialJoints, TrialSolids, TrialTouches};
 pub(super) use shift::STIFFEST;
 pub use shift::{STIFFEST_UNDER_LOADS, TrialShift};
+pub use ties::TrialTies;
 
 use super::general::Live;
 use crate::state::State;
@@ -38,6 +40,8 @@ pub struct Trial {
     pub shift: TrialShift,
     /// Positions of the driven ends of the springs [mm]. `[spring][xyz]`
     pub spring_ends: Vec<[f64; 3]>,
+    /// Ties.
+    pub ties: TrialTies,
     /// Values of the named loads. `[load]`
     pub loads: Vec<[f64; 3]>,
     /// Least numerical stiffness of the points over the mass behind them [1/s²]; 0 without inertia.
@@ -68,6 +72,7 @@ impl Trial {
         // increment.
         self.cells.force.clear();
         self.solids.energy.clear();
+        self.ties.segments.clear();
         self.general.touches.clear();
         self.general.loss = [0.0; 2];
         self.awake = None;

@@ -1,8 +1,8 @@
 //! `[[steps.loads]]`, `amplitude` and `cycles` of a step: loads, and how they and the drive change with time.
 
-use super::Names;
 use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
+use super::{DeckTie, Names};
 use crate::deck::beams;
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
 use crate::deck::sections::Draft;
@@ -111,7 +111,7 @@ impl DeckStep {
 }
 
 impl Deck {
-    /// Additional columns of the history: of probes, loads, outputs, supports and sections.
+    /// Additional columns of the history: of probes, loads, outputs, ties, supports and sections.
     pub fn columns(&self) -> Vec<String> {
         // Beams that turn bring loads.
         let whole = beams::written_out(self);
@@ -133,14 +133,12 @@ impl Deck {
             .into_iter()
             .flat_map(|(_, load)| load.columns());
         let outputs = self.outputs().into_iter().map(|output| output.column());
+        let ties = self.ties.iter().flat_map(DeckTie::columns);
         let held = self.held_names();
         let supports = held.iter().map(|(name, fixed)| (name.as_str(), *fixed));
         let reactions = reactions::columns(supports);
-        probes
-            .chain(loads)
-            .chain(outputs)
-            .chain(reactions)
-            .collect()
+        let of_solver = probes.chain(loads).chain(outputs).chain(ties);
+        of_solver.chain(reactions).collect()
     }
 
     /// Names of the supports on the ground and the axes along which they hold: the clamped foot of the wall, those of

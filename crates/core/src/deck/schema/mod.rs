@@ -14,6 +14,7 @@ mod imports;
 mod inputs;
 mod interfaces;
 mod joint_kinds;
+mod layers;
 mod loads;
 mod materials;
 mod output;
@@ -27,6 +28,7 @@ mod stand_in;
 mod steps;
 mod symmetry;
 mod test;
+mod ties;
 pub(super) mod validate;
 mod wall;
 
@@ -40,6 +42,7 @@ pub use heading::Heading;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use joint_kinds::JointKind;
+pub use layers::{DeckLayer, Lattice};
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe};
@@ -52,6 +55,7 @@ pub use sections::DeckSection;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use symmetry::{DeckSymmetry, Keep};
 pub use test::{DeckTest, TestKind};
+pub use ties::{DeckTie, TieBond};
 pub use wall::{
     Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
     Subdivision, Wall,
@@ -118,9 +122,15 @@ pub struct Deck {
     /// Springs to the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<DeckSpring>,
+    /// Ties: rods and bars.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<DeckTie>,
     /// Loading beams.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beams: Vec<DeckBeam>,
+    /// Layers on faces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<DeckLayer>,
     /// Planes of symmetry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub symmetry: Vec<DeckSymmetry>,
@@ -476,7 +486,9 @@ impl PartialEq for Deck {
             && self.contacts == other.contacts
             && self.supports == other.supports
             && self.springs == other.springs
+            && self.ties == other.ties
             && self.beams == other.beams
+            && self.layers == other.layers
             && self.symmetry == other.symmetry
             && self.probes == other.probes
             && self.element == other.element

@@ -34,7 +34,8 @@ pub(crate) struct Half {
 /// The half below the plane, if supports, loads and probes are mirrored like the mesh.
 pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let contact = &model.contact;
-    if contact.general.is_some() {
+    // Ties are tied to elements of both sides.
+    if contact.general.is_some() || !model.ties.is_empty() {
         return None;
     }
     let node = numbered(images.side.iter().map(|side| *side <= 0));
@@ -79,6 +80,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         supports,
         initial_velocity: cut.velocity(&model.initial_velocity)?,
         springs: springs.collect::<Option<_>>()?,
+        ties: Vec::new(),
         probes: probes.collect::<Option<_>>()?,
         sections: sections.collect::<Option<_>>()?,
         loads: loads.collect::<Option<_>>()?,

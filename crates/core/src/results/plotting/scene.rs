@@ -15,6 +15,7 @@ use super::super::svg_text::escape;
 use crate::element::exterior::{corners, exterior_faces};
 use crate::element::hexahedron::{EDGES, range};
 use crate::model::scene::{HeldBy, Support};
+use crate::model::ties::Tie;
 use crate::model::{Mesh, Model};
 
 /// Width of the page [px].
@@ -37,7 +38,9 @@ const INTERFACES: [&str; 6] = [
 /// Style of planes of symmetry: chain lines, as in technical drawings.
 const PLANE_STROKE: &str =
     r##"stroke="#111111" stroke-width="1.2" stroke-dasharray="12 3 2 3" fill="none""##;
-/// Length by which they extend beyond the bodies [px].
+/// Style of ties.
+const TIE_STROKE: &str = r##"stroke="#4b0082" stroke-width="2.5" fill="none""##;
+/// Length by which planes extend beyond the bodies [px].
 const BEYOND: f64 = 10.0;
 
 /// A drawing in its own plane [mm].
@@ -50,6 +53,8 @@ struct Panel {
     dots: Vec<[f64; 2]>,
     /// Planes of symmetry: their normal, right (0) or up (1), and position.
     planes: Vec<(usize, f64)>,
+    /// Segments of ties, seen through the bodies. `[end][right, up]`
+    ties: Vec<[[f64; 2]; 2]>,
 }
 
 struct Polygon {
@@ -178,6 +183,7 @@ fn elevation(model: &Model, names: &[&str]) -> Panel {
         lines,
         dots,
         planes: planes(model, [0, 2]),
+        ties: ties(model, [0, 2]),
     }
 }
 
@@ -188,6 +194,14 @@ fn planes(model: &Model, axes: [usize; 2]) -> Vec<(usize, f64)> {
         HeldBy::Ground | HeldBy::Mirror => None,
     };
     model.supports.iter().filter_map(stands).collect()
+}
+
+/// Segments of ties along the axes of the drawing.
+fn ties(model: &Model, axes: [usize; 2]) -> Vec<[[f64; 2]; 2]> {
+    let segments = model.ties.iter().flat_map(Tie::segments);
+    segments
+        .map(|ends| ends.map(|end| axes.map(|d| end.at[d])))
+        .collect()
 }
 
 /// Section normal to an axis at a position on it [mm].
@@ -237,6 +251,7 @@ fn section(model: &Model, names: &[&str], axis: usize, at: f64) -> Panel {
         lines,
         dots: Vec::new(),
         planes: planes(model, axes),
+        ties: ties(model, axes),
     }
 }
 
@@ -285,7 +300,7 @@ impl Layout {
 /// Draws the panels and their legend.
 fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> std::fmt::Result {
     let layout = Layout::of(panels);
-    let rows = model.materials.len().max(names.len() + 2) as f64;
+    let rows = model.materials.len().max(names.len() + 3) as f64;
     let height = layout.legend + 20.0 * rows + MARGIN;
     writeln!(
         svg,
@@ -313,17 +328,17 @@ fn page(svg: &mut String, model: &Model, names: &[&str], panels: &[Panel]) -> st
     let held = |s: &Support| !s.nodes.is_empty() && s.by == HeldBy::Ground;
     let held = model.supports.iter().any(held);
     let mirrored = panels.iter().any(|p| !p.planes.is_empty());
-    legend_of_lines(svg, layout.legend, names, held, mirrored)?;
+    let marks = [held, mirrored, !model.ties.is_empty()];
+    legend_of_lines(svg, layout.legend, names, marks)?;
     writeln!(svg, "</svg>")
 }
 
-/// Writes the legend of the interfaces, of held nodes and of planes of symmetry, if there are any.
+/// Writes the legend of the interfaces, of held nodes, of planes of symmetry and of ties, if there are any.
 fn legend_of_lines(
     svg: &mut String,
     top: f64,
     names: &[&str],
-    held: bool,
-    mirrored: bool,
+    [held, mirrored, tied]: [bool; 3],
 ) -> std::fmt::Result {
     let left = WIDTH / 2.0;
     let line =
@@ -351,6 +366,9 @@ fn legend_of_lines(
     }
     if mirrored {
         entry(&line(PLANE_STROKE.to_owned()), "plane of symmetry")?;
+    }
+    if tied {
+        entry(&line(TIE_STROKE.to_owned()), "tie")?;
     }
     Ok(())
 }
@@ -398,6 +416,7 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
             )?;
         }
     }
+    draw_ties(svg, &panel.ties, at)?;
     for dot in &panel.dots {
         let (x, y) = at(*dot);
         writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2"/>"#)?;
@@ -409,6 +428,22 @@ fn draw(svg: &mut String, panel: &Panel, [left, low]: [f64; 2], zoom: f64) -> st
             [[x0, place], [x1, place]]
         };
         draw_plane(svg, d, ends.map(at))?;
+    }
+    Ok(())
+}
+
+/// Draws segments of ties; `at` gives pixels.
+fn draw_ties(
+    svg: &mut String,
+    ties: &[[[f64; 2]; 2]],
+    at: impl Fn([f64; 2]) -> (f64, f64),
+) -> std::fmt::Result {
+    for ends in ties {
+        let [(x1, y1), (x2, y2)] = ends.map(&at);
+        writeln!(
+            svg,
+            r#"<path d="M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}" {TIE_STROKE}/>"#
+        )?;
     }
     Ok(())
 }

@@ -9,7 +9,8 @@
 
 use std::fmt::Write as _;
 
-use super::super::elevation::{bounds, escape};
+use super::super::elevation::bounds;
+use super::super::svg_text::escape;
 use crate::element::exterior::{corners, exterior_faces};
 use crate::model::Mesh;
 

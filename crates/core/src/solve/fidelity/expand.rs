@@ -327,10 +327,8 @@ impl Recorder for Expand<'_> {
     }
 
     fn keep(&mut self, _half: &Model, fields: Frame) {
-        let (reactions, columns) = (
-            self.reactions(&fields.reactions),
-            self.columns(&fields.probes),
-        );
+        let reactions = self.reactions(&fields.reactions);
+        let columns = self.columns(&fields.probes, &reactions);
         let whole = self.places.frame(&fields, reactions, columns);
         self.recorder.keep(self.whole, whole);
     }

@@ -138,6 +138,7 @@ impl Asked<'_> {
 fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
     system.start(model, trial, state);
     trial.spring_ends.clone_from(&state.spring_ends);
+    trial.ties.stages.clear();
     trial.shift.stiffest = STIFFEST_UNDER_LOADS;
     trial.shift.stiffening = STIFFEST_UNDER_LOADS;
     let setting = Evaluation {

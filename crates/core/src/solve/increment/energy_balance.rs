@@ -64,8 +64,10 @@ impl Newton<'_> {
         let stored = system.elastic_energy(trial, &springs) - state.energies.elastic;
         let solids = trial.solids.energy.iter();
         let dissipated = solids.map(|e| e.plastic_damage + e.viscous).sum::<f64>()
+            + trial.ties.sum(|tie| tie.dissipated)
             + system.interface_dissipation(trial);
-        let mut work = -system.crossing_work(self.model, state, trial);
+        let mut work =
+            trial.ties.sum(|tie| tie.jacked) - system.crossing_work(self.model, state, trial);
         for (slot, (q, start)) in self.q.iter().zip(&state.q).enumerate() {
             work += 0.5 * (state.force[slot] + trial.force[slot]) * (q - start);
         }

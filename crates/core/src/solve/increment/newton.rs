@@ -174,6 +174,9 @@ impl<'m> Newton<'m> {
             }
         }
         self.drive_springs(trial, s);
+        let stages = self.step.ties.iter().map(|stage| stage.at(s));
+        trial.ties.stages.clear();
+        trial.ties.stages.extend(stages);
         self.loading
             .loads
             .at(self.step, system, s, self.loading.moment);

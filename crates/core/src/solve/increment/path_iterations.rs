@@ -57,9 +57,10 @@ impl Newton<'_> {
             .loads
             .rate(self.step, system, self.loading.factor, &trial.x);
         let pull = system.spring_pull(&self.step.springs);
+        let jacked = system.tie_pull(trial, &self.step.ties);
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
         let force: Vec<f64> = slots
-            .map(|slot| loads[slot] - moved[slot] - pull[slot])
+            .map(|slot| loads[slot] - moved[slot] - pull[slot] - jacked[slot])
             .collect();
         // d₂ of the last iterate, or empty, as a first guess.
         let before = std::mem::replace(&mut self.vectors.by_load, force.clone());

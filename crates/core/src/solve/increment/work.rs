@@ -90,9 +90,11 @@ impl Newton<'_> {
             energies.damping += work;
             dashpots = Some(now);
         }
+        energies.external += trial.ties.sum(|tie| tie.jacked);
         energies.elastic = system.elastic_energy(trial, &spring_forces);
         let solids = &trial.solids.energy;
         energies.plastic_damage += solids.iter().map(|e| e.plastic_damage).sum::<f64>();
+        energies.plastic_damage += trial.ties.sum(|tie| tie.dissipated);
         energies.viscous += solids.iter().map(|e| e.viscous).sum::<f64>();
         energies.interface += system.interface_dissipation(trial);
         Account {

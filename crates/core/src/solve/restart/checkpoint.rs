@@ -359,7 +359,12 @@ fn same_sizes(a: &State, b: &State) -> bool {
             &s.applied,
             &s.damping,
         ];
-        let springs = [s.spring_ends.len(), s.spring_forces.len(), s.loads.len()];
+        let springs = [
+            s.spring_ends.len(),
+            s.spring_forces.len(),
+            s.loads.len(),
+            s.ties.len(),
+        ];
         let points = [s.material.len(), s.interface.len(), s.pairs.len()];
         (slots.map(Vec::len), springs, points)
     };

@@ -17,7 +17,7 @@ pub(in crate::solve) struct Fingerprint {
 }
 
 /// Names of the parts of a model beside its steps.
-const PARTS: [&str; 8] = [
+const PARTS: [&str; 9] = [
     "the mesh",
     "the materials",
     "the interfaces",
@@ -26,6 +26,7 @@ const PARTS: [&str; 8] = [
     "the initial velocities",
     "the probes or sections",
     "the loads",
+    "the ties",
 ];
 
 impl Fingerprint {
@@ -52,6 +53,7 @@ impl Fingerprint {
             &model.initial_velocity,
             &(&model.probes, &model.sections),
             &model.loads,
+            &model.ties,
         ];
         parts.into_iter().map(digest).collect()
     }

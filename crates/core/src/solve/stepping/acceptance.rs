@@ -268,6 +268,7 @@ impl Run<'_> {
         let work =
             |((f0, f1), (q, start)): ((&f64, &f64), (&f64, &f64))| 0.5 * (f0 + f1) * (q - start);
         let mut sum: f64 = forces.zip(ways).map(work).sum();
+        sum += trial.ties.sum(|tie| tie.jacked);
         for (s, force) in springs.iter().enumerate() {
             for i in 0..3 {
                 let way = trial.spring_ends[s][i] - state.spring_ends[s][i];

@@ -45,6 +45,9 @@ impl Run<'_> {
         state.material.copy_from_slice(&trial.solids.history);
         state.interface.copy_from_slice(&trial.joints.history);
         state.pairs.copy_from_slice(&trial.joints.pairs);
+        for (history, segment) in state.ties.iter_mut().zip(&trial.ties.segments) {
+            *history = segment.history;
+        }
         state.touches = self.system.general.committed(trial);
         self.system.follow(&mut state.poses, trial);
         state.wants_double |= newton.wanted_double();

@@ -278,8 +278,8 @@ impl Run<'_> {
     }
 
     /// Additional columns of the last commit ([`Model::columns`]): probes, the value of each load and its resultant,
-    /// which is the last part of `reactions` [N], the largest value of each output of the solids, the reactions of the
-    /// supports, the sections.
+    /// which is the last part of `reactions` [N], the largest value of each output of the solids, the force [kN] and the
+    /// stretch [mm] of each tie, the reactions of the supports, the sections.
     pub(in crate::solve) fn columns(&self, reactions: &[[f64; 3]]) -> Vec<f64> {
         let (model, state) = (self.model, &self.state);
         let mut columns = probes(model, &self.system.dofs, state);
@@ -291,6 +291,9 @@ impl Run<'_> {
             columns.push(1e-3 * load.along(reactions[first + l]));
         }
         columns.extend(self.most_of_outputs());
+        for reading in self.system.ties.readings(&state.ties) {
+            columns.extend([1e-3 * reading.force, reading.stretch]);
+        }
         columns.extend(model.reaction_values(reactions));
         let cuts = self.system.cuts.iter();
         columns.extend(cuts.flat_map(|cut| self.system.section_values(cut, &self.trial)));

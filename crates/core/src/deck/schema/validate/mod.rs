@@ -10,6 +10,7 @@ mod references;
 mod sections;
 mod steps;
 mod test;
+mod ties;
 mod wall;
 
 use super::form::Broken;
@@ -79,6 +80,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.imports();
     checks.probes();
     checks.loads();
+    checks.ties();
     checks.sections();
     checks.test();
     for (i, step) in deck.steps.iter().enumerate() {

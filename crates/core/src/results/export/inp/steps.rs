@@ -28,6 +28,10 @@ pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt
             first + b
         )?;
     }
+    for tie in &model.ties {
+        let name = tie.name.replace('\n', " ");
+        writeln!(text, "** Not translated: the tie {name}")?;
+    }
     for spring in &model.springs {
         writeln!(
             text,
