@@ -1,7 +1,6 @@
 //! Tests of the module `model`.
 
 mod builder;
-mod layers;
 mod mirrors;
 mod random_halves;
 mod stands_by_symmetry;

@@ -19,7 +19,7 @@ pub struct PointMotion {
 
 impl System {
     /// Writes the stiffness about the displacements `q` to the cells of the trial: solids with the damage of the
-    /// state and the stiffness of their stress, joints by `joint`, springs. General contact and follower pressures
+    /// state and the stiffness of their stress, joints by `joint`, springs, ties. General contact and follower pressures
     /// have no part. The trial must have been started from the state.
     ///
     /// # Errors
@@ -34,7 +34,8 @@ impl System {
         let n_elements = self.bulk.elements.len();
         let n_loaded = n_elements + self.contact.cell_count() + self.general.cells().len();
         let n_sprung = n_loaded + self.springs.cells().len();
-        let n_cells = n_sprung + self.outside.cells().len() + self.steered_cells().len();
+        let n_tied = n_sprung + self.ties.cells().len();
+        let n_cells = n_tied + self.outside.cells().len() + self.steered_cells().len();
         trial.cells.force.resize(n_loaded, [[0.0; 3]; 8]);
         trial.cells.stiffness.resize(n_cells * CELL, 0.0);
         trial.cells.active.clear();
@@ -52,7 +53,15 @@ impl System {
         self.contact.write_small_motion(trial, n_elements, joint);
         self.springs
             .write_stiffness(&mut trial.cells.stiffness[n_loaded * CELL..n_sprung * CELL]);
-        trial.cells.active[n_loaded..n_sprung].fill(true);
+        trial.node_force.clear();
+        trial.node_force.resize(self.bulk.reference.len(), [0.0; 3]);
+        self.ties.evaluate(state, trial);
+        self.ties.write_stiffness(
+            &trial.ties.segments,
+            true,
+            &mut trial.cells.stiffness[n_sprung * CELL..n_tied * CELL],
+        );
+        trial.cells.active[n_loaded..n_tied].fill(true);
         Ok(())
     }
 }

@@ -174,7 +174,6 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("springs", deck.springs.len(), MOST_ENTRIES),
         ("beams", deck.beams.len(), MOST_ENTRIES),
         ("ties", deck.ties.len(), MOST_ENTRIES),
-        ("layers", deck.layers.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
         ("sections", deck.sections.len(), MOST_ENTRIES),
         ("imports", deck.imports.len(), MOST_ENTRIES),

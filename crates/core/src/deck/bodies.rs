@@ -2,14 +2,14 @@
 
 use super::amount;
 use super::arch::{Stones, stones};
-use super::body::{Body, Grid};
+use super::body::Body;
 use super::imported::Imported;
 use super::masonry::{self, Masonry};
 use super::mirrors::Mirror;
 use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
-use super::schema::{Deck, DeckBlock, Lattice, Material, Names};
+use super::schema::{Deck, DeckBlock, Material, Names};
 use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -218,10 +218,6 @@ impl<'a> Bodies<'a> {
     /// Adds a block and its copies.
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
         let material = self.solid(&block.material, block.rigid);
-        if let Some(lattice) = &block.lattice {
-            self.lay_lattice(&block.name, lattice, material);
-            return Ok(());
-        }
         let own = match self.deck.block_nodes(index)? {
             Some(nodes) => Shape::Grid(nodes),
             None => Shape::Hexahedron(corners(block)),
@@ -251,25 +247,6 @@ impl<'a> Bodies<'a> {
         let velocity = block.velocity.map(Quantity::get);
         self.velocity.resize(self.mesh.nodes.len(), velocity);
         Ok(())
-    }
-
-    /// Adds the body of a layer.
-    fn lay_lattice(&mut self, name: &str, lattice: &Lattice, material: u16) {
-        let Lattice { lines, solid } = lattice;
-        let cells = lines.each_ref().map(|at| at.len() - 1);
-        let of_cell = |[i, j, k]: [usize; 3]| {
-            let cell = (k * cells[1] + j) * cells[0] + i;
-            solid[cell].then_some(material)
-        };
-        let node = |at: [usize; 3]| [0, 1, 2].map(|d| lines[d][at[d]]);
-        let grid = Grid {
-            cells,
-            material: &of_cell,
-            node: &node,
-        };
-        let body = Body::new(&mut self.mesh, name.to_owned(), &grid);
-        self.all.push(body);
-        self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
     }
 
     /// Adds the bodies of an import. Materials keep the names of their file. If another import has a different

@@ -205,9 +205,6 @@ beam = "beam"  # of [[beams]]
 depth = "200 mm"
 rotation = "free"  # or "level"
 beams.on => on = "wall.top"  # level faces
-[[layers]]
-layers.on => on = "wall.front"  # faces of one plane
-layers.thickness => thickness = "10 mm"
 [[symmetry]]
 normal = "x"  # or "y", "z"
 symmetry.at => at = "480 mm"  # along the normal
@@ -255,9 +252,9 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 13] = [
-    "walls", "blocks", "imports", "contacts", "supports", "springs", "ties", "beams", "layers",
-    "symmetry", "probes", "sections", "steps",
+pub(super) const LISTS: [&str; 12] = [
+    "walls", "blocks", "imports", "contacts", "supports", "springs", "ties", "beams", "symmetry",
+    "probes", "sections", "steps",
 ];
 
 /// Tables that contain named tables.

@@ -18,7 +18,6 @@ mod imported;
 mod joint;
 pub mod json_schema;
 pub mod keys;
-mod layers;
 mod loading;
 mod loads;
 mod magnitudes;

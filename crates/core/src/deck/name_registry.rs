@@ -94,8 +94,7 @@ impl NameRegistry {
             }
         }
         let beams = deck.beams.iter().map(|beam| ("beams", &beam.name));
-        let layers = deck.layers.iter().map(|layer| ("layers", &layer.name));
-        for (i, (table, name)) in beams.enumerate().chain(layers.enumerate()) {
+        for (i, (table, name)) in beams.enumerate() {
             if !roll.add(name.clone()) {
                 twice.push(two_blocks(&format!("{table}.{i}.name"), name));
             }

@@ -260,7 +260,7 @@ def wall(
         Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``beams``,
-        ``ties``, ``layers``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
+        ``ties``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
@@ -410,7 +410,7 @@ def blocks(
     search_radius
         Largest gap at which a point is paired with the opposite surface [mm].
     tables
-        Further tables of the deck: ``beams``, ``ties``, ``layers``, ``symmetry``, ``walls``, ``arch``, ``element``,
+        Further tables of the deck: ``beams``, ``ties``, ``symmetry``, ``walls``, ``arch``, ``element``,
         ``fidelity``, ``output``.
     """
     return Model.from_dict(

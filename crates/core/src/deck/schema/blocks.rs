@@ -1,6 +1,6 @@
 //! `[[blocks]]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`: scenes of single blocks.
 
-use super::{Direction, Lattice};
+use super::Direction;
 use crate::deck::quantity::{Angle, Length, SpringStiffness, Velocity};
 use crate::model::axis::Axis;
 use crate::model::scene::turned;
@@ -49,9 +49,6 @@ pub struct DeckBlock {
     pub copies: Option<[u32; 3]>,
     /// Distances between copies [mm].
     pub pitch: Option<[Length; 3]>,
-    /// Cells of a layer, instead of a box.
-    #[serde(skip)]
-    pub lattice: Option<Lattice>,
 }
 
 /// A rotation about an axis, right-handed.

@@ -52,8 +52,6 @@ impl Deck {
         let moved = self.steps.iter().filter_map(|s| s.face.as_ref());
         let all = contacts.chain(held).chain(sprung).chain(probed);
         let laid = self.beams.iter().map(|b| &b.on);
-        let covered = self.layers.iter().map(|layer| &layer.on);
-        let laid = laid.chain(covered);
         let all = all.chain(taken_off).chain(cut).chain(moved).chain(laid);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))
     }

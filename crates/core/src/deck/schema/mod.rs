@@ -14,7 +14,6 @@ mod imports;
 mod inputs;
 mod interfaces;
 mod joint_kinds;
-mod layers;
 mod loads;
 mod materials;
 mod output;
@@ -42,7 +41,6 @@ pub use heading::Heading;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use joint_kinds::JointKind;
-pub use layers::{DeckLayer, Lattice};
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe};
@@ -128,9 +126,6 @@ pub struct Deck {
     /// Loading beams.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beams: Vec<DeckBeam>,
-    /// Layers on faces.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub layers: Vec<DeckLayer>,
     /// Planes of symmetry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub symmetry: Vec<DeckSymmetry>,
@@ -488,7 +483,6 @@ impl PartialEq for Deck {
             && self.springs == other.springs
             && self.ties == other.ties
             && self.beams == other.beams
-            && self.layers == other.layers
             && self.symmetry == other.symmetry
             && self.probes == other.probes
             && self.element == other.element
