@@ -264,67 +264,18 @@ fn draw_arrow(
     page: &Page,
     taken: &mut Vec<[f64; 2]>,
 ) -> std::fmt::Result {
-    let [x, y] = page.place(arrow.at);
+    let at = page.place(arrow.at);
     let [right, up, toward] = arrow.along;
     let size = right.hypot(up);
     writeln!(
         svg,
         r#"<g class="load" stroke="{LOAD}" stroke-width="2" fill="{LOAD}">"#
     )?;
-    let text = if size < ACROSS {
-        // Towards the viewer a point, away a cross: the head and the feathers of an arrow.
-        writeln!(
-            svg,
-            r##"<circle cx="{x:.2}" cy="{y:.2}" r="8" fill="#ffffff"/>"##
-        )?;
-        if toward > 0.0 {
-            writeln!(svg, r#"<circle cx="{x:.2}" cy="{y:.2}" r="2"/>"#)?;
-        } else {
-            writeln!(
-                svg,
-                r#"<path d="M{:.2} {:.2}l11 11m0 -11l-11 11"/>"#,
-                x - 5.5,
-                y - 5.5
-            )?;
-        }
-        [x, y - 13.0]
+    let mut at = if size < ACROSS {
+        along_sight(svg, at, toward)?
     } else {
-        let (dx, dy) = (right / size, -up / size);
-        // It pushes from the nearer side of the picture: its tip is at the wall, or its tail.
-        let middle = 0.5 * WIDTH;
-        let pushes = if dx.abs() > dy.abs() {
-            (middle - x) * dx >= 0.0
-        } else {
-            dy > 0.0
-        };
-        let (tx, ty) = if pushes {
-            (x, y)
-        } else {
-            (x + ARROW * dx, y + ARROW * dy)
-        };
-        let (sx, sy) = (tx - ARROW * dx, ty - ARROW * dy);
-        let head = |side: f64| {
-            let (px, py) = (
-                tx - 10.0 * dx - side * 4.5 * dy,
-                ty - 10.0 * dy + side * 4.5 * dx,
-            );
-            format!("{px:.2},{py:.2}")
-        };
-        writeln!(
-            svg,
-            r#"<path d="M{sx:.2} {sy:.2}L{:.2} {:.2}"/><polygon points="{tx:.2},{ty:.2} {} {}" stroke="none"/>"#,
-            tx - 8.0 * dx,
-            ty - 8.0 * dy,
-            head(1.0),
-            head(-1.0)
-        )?;
-        let outer = if pushes { [sx, sy] } else { [tx, ty] };
-        [
-            outer[0],
-            outer[1] - if dy.abs() > dx.abs() { 6.0 } else { 10.0 },
-        ]
+        across_sight(svg, at, [right / size, -up / size])?
     };
-    let mut at = text;
     while taken
         .iter()
         .any(|t| (t[0] - at[0]).abs() < 70.0 && (t[1] - at[1]).abs() < 14.0)
@@ -340,4 +291,62 @@ fn draw_arrow(
         at[1],
         escape(&arrow.text)
     )
+}
+
+/// Draws an arrow along the line of sight: towards the viewer its head, a point, away its feathers, a cross. Returns
+/// the place of its text.
+fn along_sight(
+    svg: &mut String,
+    [x, y]: [f64; 2],
+    toward: f64,
+) -> Result<[f64; 2], std::fmt::Error> {
+    writeln!(
+        svg,
+        r##"<circle cx="{x:.2}" cy="{y:.2}" r="8" fill="#ffffff"/>"##
+    )?;
+    if toward > 0.0 {
+        writeln!(svg, r#"<circle cx="{x:.2}" cy="{y:.2}" r="2"/>"#)?;
+    } else {
+        let (left, top) = (x - 5.5, y - 5.5);
+        writeln!(svg, r#"<path d="M{left:.2} {top:.2}l11 11m0 -11l-11 11"/>"#)?;
+    }
+    Ok([x, y - 13.0])
+}
+
+/// Draws an arrow across the line of sight and returns the place of its text.
+fn across_sight(
+    svg: &mut String,
+    [x, y]: [f64; 2],
+    [dx, dy]: [f64; 2],
+) -> Result<[f64; 2], std::fmt::Error> {
+    // It pushes from the nearer side of the picture: its tip is at the wall, or its tail.
+    let pushes = if dx.abs() > dy.abs() {
+        (0.5 * WIDTH - x) * dx >= 0.0
+    } else {
+        dy > 0.0
+    };
+    let (tx, ty) = if pushes {
+        (x, y)
+    } else {
+        (x + ARROW * dx, y + ARROW * dy)
+    };
+    let (sx, sy) = (tx - ARROW * dx, ty - ARROW * dy);
+    let head = |side: f64| {
+        let (px, py) = (
+            tx - 10.0 * dx - side * 4.5 * dy,
+            ty - 10.0 * dy + side * 4.5 * dx,
+        );
+        format!("{px:.2},{py:.2}")
+    };
+    writeln!(
+        svg,
+        r#"<path d="M{sx:.2} {sy:.2}L{:.2} {:.2}"/><polygon points="{tx:.2},{ty:.2} {} {}" stroke="none"/>"#,
+        tx - 8.0 * dx,
+        ty - 8.0 * dy,
+        head(1.0),
+        head(-1.0)
+    )?;
+    let outer = if pushes { [sx, sy] } else { [tx, ty] };
+    let above = if dy.abs() > dx.abs() { 6.0 } else { 10.0 };
+    Ok([outer[0], outer[1] - above])
 }
