@@ -174,24 +174,27 @@ fn a_prestressed_rod_holds_two_blocks_together() {
     assert!((after - before - (all - work)).abs() < 1e-6 * all);
 }
 
+/// Turned by 30°, the rod follows the same curve.
 #[test]
 fn a_turned_scene_gives_the_same() {
-    let [straight, turned] =
-        [0.0, std::f64::consts::FRAC_PI_6].map(|angle| completed(&pulled(angle, 2.4, ROD, 60)));
-    assert_eq!(straight.rows.len(), turned.rows.len());
-    for (a, b) in straight.rows.iter().zip(&turned.rows) {
-        let (first, second) = (rod(a), rod(b));
+    let recording = completed(&pulled(std::f64::consts::FRAC_PI_6, 2.4, ROD, 60));
+    let stressed = recording.rows[3].displacement_mm;
+    let mut broken = 0;
+    for row in &recording.rows[4..] {
+        let by = row.displacement_mm - stressed;
+        let (found, _) = rod(row);
+        if found == 0.0 {
+            broken += 1;
+            continue;
+        }
+        let wanted = force_of_rod(by);
         // Tolerance of the residual 1e-9 and rounding.
         assert!(
-            (first.0 - second.0).abs() < 1e-6 * PRESTRESS,
-            "{first:?} {second:?}"
-        );
-        assert!((first.1 - second.1).abs() < 1e-6, "{first:?} {second:?}");
-        assert!(
-            (a.force_kN - b.force_kN).abs() < 1e-6 * 1e-3 * PRESTRESS,
-            "{a:?} {b:?}"
+            broken == 0 && (found / wanted - 1.0).abs() < 1e-6,
+            "{by}: {found} {wanted}"
         );
     }
+    assert!(broken > 5 && imbalance(&recording) < 1e-6);
 }
 
 /// A rod without compression is slack while the joint is pressed together beyond its length, and takes up its force
