@@ -24,6 +24,7 @@ fn frame(model: &Model, time: f64) -> Frame {
     Frame {
         time,
         displacement: vec![[0.0, 0.0, time]; model.mesh.nodes.len()],
+        probes: vec![0.0; model.columns().len()],
         stress: vec![[0.0; 6]; elements],
         tensile_damage: vec![0.5; elements],
         compressive_damage: vec![0.0; elements],
@@ -60,6 +61,7 @@ fn solve(
             time: t,
             displacement_mm: t,
             force_kN: 10.0 * t,
+            probes: vec![0.0; model.columns().len()],
             ..HistoryRow::default()
         };
         summary.increments = increment;

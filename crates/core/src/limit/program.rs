@@ -175,7 +175,13 @@ impl Program<'_> {
             bond.max(self.strength.unwrap_or(0.0)) * joint.area
         });
         let most = strengths.fold(sum, f64::max);
-        if most > 0.0 { most } else { 1.0 }
+        // Strengths that no force reaches set no scale.
+        let scale = if sum > 0.0 {
+            most.min(100.0 * sum)
+        } else {
+            most
+        };
+        if scale > 0.0 { scale } else { 1.0 }
     }
 
     /// Factor of the live loads for the unknown λ of 1: that which makes them as large as the dead ones.

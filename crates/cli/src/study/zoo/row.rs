@@ -346,6 +346,7 @@ mod tests {
                 force_kN: 10.0,
                 iterations: 4,
                 cutbacks: 1,
+                probes: vec![0.0; model.columns().len()],
                 ..HistoryRow::default()
             };
             run.take(&model, &row, None).unwrap();

@@ -16,6 +16,7 @@ use crate::state::State;
 
 /// Working data of one increment. It may be dropped at any time without a change of results.
 #[derive(Clone, Debug, Default)]
+// More than 15 fields: positions, forces and loads beside one for each kind of part.
 pub struct Trial {
     /// Current positions [mm]. `[node]`
     pub x: Vec<[f64; 3]>,

@@ -275,7 +275,7 @@ mod tests {
     fn curves_have_decimals_and_the_peak_its_mark() {
         let points: Vec<Point> = (0..200)
             .map(|i| 0.01 * f64::from(i))
-            .map(|d| (d, 10.0 * (1.5 * d).sin()))
+            .map(|d| (d, 12.0 * (1.5 * d).sin()))
             .collect();
         let peak = points[105];
         let run = Line {
@@ -300,7 +300,7 @@ mod tests {
         }
         let [x, y] = drawn[105];
         assert!(svg.contains(&format!(r#"class="mark" cx="{x:.2}" cy="{y:.2}""#)));
-        assert!(svg.contains("10.00 kN at 1.050 mm"));
+        assert!(svg.contains("12.00 kN at 1.050 mm"));
     }
 
     #[test]

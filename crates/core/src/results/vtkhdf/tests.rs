@@ -124,7 +124,8 @@ fn record(writer: &mut VtkHdfWriter, model: &Model, increments: std::ops::RangeI
             increment: n,
             time,
             force_kN: 1.0 / n as f64,
-            probes: vec![0.1 * time],
+            // The probe, then base shear and reactions of the support.
+            probes: vec![0.1 * time, time, -time, 0.0, n as f64],
             reactions: vec![[time, 0.0, 1.0], [-time, 0.0, n as f64]],
             ..HistoryRow::default()
         };

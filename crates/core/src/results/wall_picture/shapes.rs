@@ -192,8 +192,9 @@ impl Scene<'_> {
             .fold(f64::NEG_INFINITY, f64::max);
         let slack = 1e-6 * front.abs().max(1.0);
         for (p, quad) in self.snapshot.surface.quads.iter().enumerate() {
-            // The two edges of a quarter that lie on the edges of its facet.
-            for [a, b] in [[quad[0], quad[1]], [quad[3], quad[0]]] {
+            // Edges within the facet are no edges of elements.
+            for k in 0..4 {
+                let [a, b] = [quad[k], quad[(k + 1) % 4]];
                 let ends = [a, b].map(|n| self.point(n));
                 let half = half_edge(ends[0].rest, ends[1].rest);
                 let near = seen.get(&half).copied().or_else(|| {

@@ -88,7 +88,8 @@ fn both_faces_show_the_joint() {
     let places = ["front", "back"].map(|view| {
         let svg = picture(&of, view.parse().unwrap());
         let stroke = format!(r#"stroke="{}""#, hex(colours::STATES[1]));
-        let line = svg.lines().find(|l| l.contains(&stroke)).unwrap();
+        let line = svg.lines().find(|l| l.contains(&stroke));
+        let line = line.unwrap_or_else(|| panic!("{view}: {svg}"));
         let x = line.split('M').nth(1).unwrap().split(',').next().unwrap();
         x.parse::<f64>().unwrap()
     });
