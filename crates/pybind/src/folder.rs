@@ -274,7 +274,6 @@ pub fn history_column(py: Python<'_>, folder: PathBuf, name: &str) -> PyResult<S
 /// frames.
 #[pyfunction]
 #[pyo3(signature = (folder, out, view, scale, drawn))]
-#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn animate(
     py: Python<'_>,
     folder: PathBuf,

@@ -103,7 +103,8 @@ def test_the_callback_sees_every_increment(model: wythe.Model) -> None:
     run = model.run(callback=seen.append)
     assert [row.increment for row in seen] == list(range(1, run.history.increments + 1))
     for name, column in run.history.items():
-        if name != "driven":
+        # Reactions and the like have no attribute of an increment.
+        if name != "driven" and name not in run.history.probes:
             assert [getattr(row, name) for row in seen] == column.tolist(), name
 
 
@@ -125,7 +126,7 @@ def test_probes_are_in_increments_and_history() -> None:
     )
     slips: list[float] = []
     run = slide.run(callback=lambda row: slips.append(row.probes["slip_mm"]))
-    assert run.history.probes == ("slip_mm",)
+    assert run.history.probes[:2] == ("slip_mm", "base_shear_kN")
     assert run.history.slip_mm.tolist() == slips
     assert "slip_mm" in dir(run.history)
     assert 0.0 < slips[-1] < 0.02

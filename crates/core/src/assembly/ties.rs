@@ -147,7 +147,7 @@ impl Ties {
         for (segment, old) in self.segments.iter().zip(&state.ties) {
             let stage = (trial.ties.stages.get(segment.tie)).copied();
             let way = segment.way_at(&trial.displacement);
-            let before = segment.way_between(&trial.x_start, &segment.nodes);
+            let before = way_between(&trial.x_start, &segment.nodes);
             let response = segment.respond(stage.unwrap_or_default(), old, way, before);
             for (n, c) in &segment.nodes {
                 for i in 0..3 {
@@ -212,7 +212,7 @@ impl Ties {
     pub(super) fn work_turned_over(&self, responses: &[TieResponse], du: &[[f64; 3]]) -> f64 {
         let segments = self.segments.iter().zip(responses);
         let work = |(segment, response): (&Segment, &TieResponse)| {
-            let by = segment.way_between(du, &segment.nodes);
+            let by = way_between(du, &segment.nodes);
             let along: f64 = (0..3).map(|i| response.direction[i] * by[i]).sum();
             (response.force * along).abs()
         };
@@ -247,21 +247,21 @@ impl Ties {
     }
 }
 
+/// Σ c v of vectors at the nodes.
+fn way_between(v: &[[f64; 3]], nodes: &[(u32, f64)]) -> [f64; 3] {
+    [0, 1, 2].map(|d| {
+        nodes
+            .iter()
+            .map(|(n, c)| c * v[*n as usize][d])
+            .sum::<f64>()
+    })
+}
+
 impl Segment {
     /// d at nodal displacements `u` [mm].
     fn way_at(&self, u: &[[f64; 3]]) -> [f64; 3] {
-        let by = self.way_between(u, &self.nodes);
+        let by = way_between(u, &self.nodes);
         [0, 1, 2].map(|d| self.way[d] + by[d])
-    }
-
-    /// Σ c v of vectors at the nodes.
-    fn way_between(&self, v: &[[f64; 3]], nodes: &[(u32, f64)]) -> [f64; 3] {
-        [0, 1, 2].map(|d| {
-            nodes
-                .iter()
-                .map(|(n, c)| c * v[*n as usize][d])
-                .sum::<f64>()
-        })
     }
 
     /// The segment with its points `way` apart, `before` at the last commit [mm].
@@ -335,7 +335,7 @@ impl TieLaw {
         }
         let beyond = trial.abs() - (self.f_y + self.hardening * history.yielded);
         // An infinite yield stress leaves −∞.
-        if !(beyond > 0.0) {
+        if beyond <= 0.0 {
             history.stress = trial;
             return self.E;
         }

@@ -35,7 +35,7 @@ pub fn natural(corners: &[[f64; 3]; 8], point: [f64; 3]) -> Option<[f64; 3]> {
         let step = jacobian.lu().solve(&rest)?;
         xi += step;
         // Far outside, the trilinear map may fold.
-        if !(xi.amax() < 50.0) {
+        if xi.amax() >= 50.0 || xi.iter().any(|x| x.is_nan()) {
             return None;
         }
         if step.amax() < 1e-12 {

@@ -1,6 +1,7 @@
 //! Rigid bodies of a model and the motions that supports and beams leave to them.
 
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
 use super::LimitError;
 use crate::model::Model;
@@ -104,7 +105,7 @@ impl Bodies {
             return Err(LimitError::Symmetry);
         }
         let mesh = &model.mesh;
-        let mut number = std::collections::BTreeMap::new();
+        let mut number = BTreeMap::new();
         for unit in &mesh.unit {
             let next = number.len();
             number.entry(*unit).or_insert(next);
@@ -201,7 +202,7 @@ impl Bodies {
     /// Holds the bodies of supports. A body of which three nodes that are not on a line are fixed is held as a whole.
     fn hold(&mut self, model: &Model) {
         for support in &model.supports {
-            let mut held: std::collections::BTreeMap<usize, Vec<u32>> = Default::default();
+            let mut held: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
             for n in &support.nodes {
                 if let Some(body) = self.of_node[*n as usize] {
                     held.entry(body).or_default().push(*n);

@@ -71,6 +71,10 @@ impl Joint {
 
     /// All joints of a model at rest. `bonded`: with tensile strength and cohesion; otherwise the joints are dry, with
     /// the friction that is left without bond.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "planned and general contact share what is found of the surfaces"
+    )]
     pub fn all(model: &Model, bodies: &Bodies, bonded: bool) -> Vec<Self> {
         let contact = &model.contact;
         let skin = BoundaryFacets::of(&model.mesh);

@@ -164,6 +164,7 @@ const SETTLED: f64 = 1e-4;
 ///
 /// # Errors
 /// [`LimitError`].
+#[expect(clippy::too_many_lines, reason = "the steps of an analysis, in order")]
 pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis, LimitError> {
     let (step, live) = match (live_step(model), settings.along) {
         (_, Some(_)) => (model.steps.len().saturating_sub(1), Live::BodyForce),

@@ -22,6 +22,10 @@ const STILL: f64 = 1e-2;
 
 /// SVG text: an elevation along the larger horizontal motion, x or y, with units at rest in grey and moved ones in
 /// orange. Red lines are the forces in the joints, as wide as long, through the point where the normal force acts.
+#[expect(
+    clippy::too_many_lines,
+    reason = "a picture is written from its frame to its last line"
+)]
 pub fn picture(model: &Model, found: &LimitAnalysis) -> String {
     let mesh = &model.mesh;
     let moved = |axis: usize| {

@@ -10,6 +10,11 @@ pub const BASE_SHEAR: &str = "base_shear_kN";
 /// Most characters of the name of a support in a column; longer ones get a number instead.
 const LONGEST: usize = 40;
 
+/// Whether a column is the base shear or a reaction.
+pub fn is_column(name: &str) -> bool {
+    name == BASE_SHEAR || name.starts_with("reaction-")
+}
+
 /// Columns of supports with these names and held axes: base shear, then the reactions along the held axes. None
 /// without supports.
 pub fn columns<'a>(supports: impl Iterator<Item = (&'a str, [bool; 3])>) -> Vec<String> {

@@ -25,6 +25,7 @@ use super::{
 use crate::deck::Deck;
 use crate::files::{self, write_whole};
 use crate::model::Model;
+use crate::model::reactions;
 use crate::model::scene::{Procedure, Step};
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
@@ -351,6 +352,8 @@ impl RunDirectory {
             })?;
         }
         let columns = model.columns().into_iter();
+        let ranges = columns.zip(probes.iter().copied());
+        let ranges = ranges.filter(|(column, _)| !reactions::is_column(column));
         let summary = SummaryFile::new(
             run,
             &Measured {
@@ -358,7 +361,7 @@ impl RunDirectory {
                 verdict: &verdict,
                 energy: &energy,
                 answers: Some(&answers),
-                probes: &columns.zip(probes.iter().copied()).collect(),
+                probes: &ranges.collect(),
                 wall_s,
                 cpu_s,
                 peak_rss_megabytes: usage::peak_memory_megabytes(),

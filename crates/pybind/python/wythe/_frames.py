@@ -68,7 +68,8 @@ class History(Mapping[str, npt.NDArray[Any]]):
 
     @property
     def probes(self) -> tuple[str, ...]:
-        """Names of the columns of the probes."""
+        """Names of the columns after those that every history has: of probes, loads, outputs of laws, ties, supports and
+        sections."""
         return self._probes
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:

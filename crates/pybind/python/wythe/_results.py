@@ -469,9 +469,9 @@ class Results:
         if ax is None:
             _, ax = pyplot.subplots()
         driven = self.history["driven"]
-        x = self.history["displacement_mm"][driven]
-        y = self.history["force_kN"][driven]
-        ax.plot(x, y, label=self._name() if label is None else label)
+        way = self.history["displacement_mm"][driven]
+        force = self.history["force_kN"][driven]
+        ax.plot(way, force, label=self._name() if label is None else label)
         if not math.isnan(self.peak_force):
             ax.plot([self.displacement_at_peak], [self.peak_force], "o", color="0.3", markersize=4)
         if experiment is not None:

@@ -32,6 +32,7 @@ pub(crate) struct Half {
 }
 
 /// The half below the plane, if supports, loads and probes are mirrored like the mesh.
+#[expect(clippy::too_many_lines, reason = "cuts each part of a model")]
 pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let contact = &model.contact;
     // Ties are tied to elements of both sides.

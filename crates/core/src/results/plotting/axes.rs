@@ -177,9 +177,10 @@ impl Axes<'_> {
         let band = (!self.band.0.is_empty()).then(|| (self.band.1.to_owned(), Sample::Band));
         let lines = self.lines.iter().filter(|(line, _)| !line.name.is_empty());
         let named = lines.map(|(line, pen)| {
-            let sample = match line.points.is_empty() {
-                true => Sample::Mark(*pen),
-                false => Sample::Line(*pen),
+            let sample = if line.points.is_empty() {
+                Sample::Mark(*pen)
+            } else {
+                Sample::Line(*pen)
             };
             (shortened(&line.name, LONGEST_NAME), sample)
         });

@@ -34,6 +34,7 @@ pub struct Columns {
 
 impl Columns {
     /// The columns with the default ones of a run.
+    #[must_use]
     pub fn or_default(&self, history: &ReadHistory) -> Self {
         let driven = history.driven().contains(&true);
         let x = if driven { "displacement_mm" } else { "time" };

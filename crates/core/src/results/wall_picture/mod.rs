@@ -125,9 +125,12 @@ pub fn wall_picture(
         .and_then(|()| draw(&mut svg, &shapes, &page, &widths))
         .and_then(|()| symbols.before(&mut svg, &page))
         .and_then(|()| legend.draw(&mut svg, page.low + BELOW))
-        .and_then(|()| match look.view.is_square() {
-            true => symbols::scale_bar(&mut svg, &page, page.low + BELOW),
-            false => Ok(()),
+        .and_then(|()| {
+            if look.view.is_square() {
+                symbols::scale_bar(&mut svg, &page, page.low + BELOW)
+            } else {
+                Ok(())
+            }
         });
     debug_assert!(drawn.is_ok(), "writing to a string does not fail");
     svg.push_str("</svg>\n");

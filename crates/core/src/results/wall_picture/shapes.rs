@@ -1,6 +1,6 @@
 //! Visible faces of the solids, their cracks, and the joints, projected and sorted from far to near.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::{Vector3, Vector6};
 
@@ -156,7 +156,7 @@ impl Scene<'_> {
         let mesh = &self.snapshot.mesh;
         let mut shapes = Vec::new();
         let mut seen: HashMap<HalfEdge, f64> = HashMap::new();
-        let mut hidden: HashMap<HalfEdge, ()> = HashMap::new();
+        let mut hidden: HashSet<HalfEdge> = HashSet::new();
         let widest = self.widest();
         for (e, face) in exterior_faces(&mesh.elements, |_| 0) {
             let places = corners(&mesh.elements[e as usize], face).map(|n| self.node(n));
@@ -172,7 +172,7 @@ impl Scene<'_> {
                         let nearest = seen.entry(half).or_insert(near);
                         *nearest = nearest.max(near);
                     } else {
-                        hidden.insert(half, ());
+                        hidden.insert(half);
                     }
                 }
             }
@@ -200,7 +200,7 @@ impl Scene<'_> {
                 let near = seen.get(&half).copied().or_else(|| {
                     // Parts of facets end within faces of the elements.
                     let near = self.camera.near(ends[0].between(ends[1], 0.5).rest);
-                    (!hidden.contains_key(&half) && near >= front - slack).then_some(near)
+                    (!hidden.contains(&half) && near >= front - slack).then_some(near)
                 });
                 if let Some(near) = near {
                     shapes.push(Shape {

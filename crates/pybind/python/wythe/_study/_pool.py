@@ -201,20 +201,20 @@ class _Worker:
         """A ready process, started if necessary."""
         if self._process is not None and self._pipe is not None and self._process.is_alive():
             return self._pipe, self._process
-        cause = ""
+        cause, code = "", None
         for _ in range(STARTS):
             pipe, process = self._started()
             with contextlib.suppress(EOFError, OSError):
                 if pipe in wait([pipe, process.sentinel]):
                     pipe.recv_bytes()
                     return pipe, process
-            cause = _cause(process)
+            cause, code = _cause(process), process.exitcode
             # Only a killed process is started again; one that ended by itself would end again.
-            if process.exitcode is not None and process.exitcode >= 0:
+            if code is not None and code >= 0:
                 break
         if self._killed:
             raise WorkerDied("the worker processes were ended")
-        if process.exitcode == UNGUARDED:
+        if code == UNGUARDED:
             raise WorkerBroken(GUARD)
         raise WorkerBroken(
             f"a worker process cannot start: it {cause}. What it wrote is above; {GUARD}"

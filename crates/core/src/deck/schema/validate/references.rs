@@ -7,6 +7,10 @@ use crate::deck::name_registry::NameRegistry;
 use crate::deck::schema::{DeckPlace, Names};
 
 impl Checks<'_> {
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a list of all keys that name something"
+    )]
     /// Checks all names of blocks, faces, springs and probes.
     pub(super) fn references(&mut self) {
         self.names_of_springs();

@@ -58,9 +58,13 @@ impl Checks<'_> {
         self.require(
             tie.points.is_some() != by_courses,
             &key("points"),
-            || match by_courses {
-                true => "both `points` and `along` or `courses` are given".to_owned(),
-                false => "neither `points` nor `along` is given: where does the tie lie?".to_owned(),
+            || {
+                let why = if by_courses {
+                    "both `points` and `along` or `courses` are given"
+                } else {
+                    "neither `points` nor `along` is given: where does the tie lie?"
+                };
+                why.to_owned()
             },
             "points = [[0, 0, 0], [\"2 m\", 0, 0]]; or along = \"wall\" with courses = [3, 6], for bars in bed joints",
         );
@@ -186,7 +190,10 @@ impl Checks<'_> {
         self.positive(&key("prestress"), tie.prestress);
         let step = deck.step_of_tie(tie);
         if let (Some(name), None) = (&tie.step, step) {
-            let help = match keys::nearest(name, deck.steps.iter().map(|step| step.name())) {
+            let help = match keys::nearest(
+                name,
+                deck.steps.iter().map(crate::deck::schema::DeckStep::name),
+            ) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "the name of a step, or its kind if it has none".to_owned(),
             };

@@ -1,0 +1,75 @@
+"""Limit analysis, as a user of the package asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import wythe
+
+SCENE = """
+format = 1
+
+[materials.stone]
+E = "5 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.4
+mu = 0.4
+
+[[blocks]]
+name = "base"
+size = [600, 200, 50]
+at = [-100, -50, -50]
+material = "stone"
+
+[[blocks]]
+name = "top"
+size = [200, 100, 800]
+material = "stone"
+
+[[contacts]]
+interface = "dry"
+
+[[supports]]
+on = "base.bottom"
+
+[[steps]]
+kind = "gravity"
+"""
+
+
+def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
+    model = wythe.Model.from_toml(SCENE)
+    found = model.limit(along="x")
+    assert isinstance(found, wythe.LimitAnalysis)
+    # The tolerance of the program.
+    assert found.factor == pytest.approx(0.25, rel=1e-6)
+    assert found.associated_factor == pytest.approx(0.25, rel=1e-6)
+    assert found.force is None and "body force" in found.live_load
+    assert found.converged and found.programs >= 2 and found.gap < 1e-6
+    top = next(unit for unit in found.mechanism if unit["name"] == "top")
+    assert top["spin"][1] > 0.0
+    [joint] = found.joints
+    assert joint["at_mm"][0] == pytest.approx(200.0, rel=1e-6)
+    assert found.picture.save(tmp_path / "mechanism.svg")
+    assert model.limit(along=[0.0, -2.0, 0.0], associated=True).factor == pytest.approx(0.125, rel=1e-6)
+    crushed = model.limit(along="x", strength=0.05, bonded=True).factor
+    assert crushed == pytest.approx(0.25 * (1.0 - 2e-9 * 9810.0 * 800.0 / 0.05), rel=1e-6)
+
+
+def test_what_has_no_factor_says_why() -> None:
+    model = wythe.Model.from_toml(SCENE)
+    with pytest.raises(wythe.LimitError, match="no step drives") as caught:
+        model.limit()
+    assert "tilt" in caught.value.fix and caught.value.message in str(caught.value)
+    for wrong in ("w", [0.0, 0.0, 0.0]):
+        with pytest.raises((TypeError, ValueError), match="along"):
+            model.limit(along=wrong)
+    with pytest.raises((TypeError, ValueError), match="strength"):
+        model.limit(along="x", strength=-1.0)
