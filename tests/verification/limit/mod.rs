@@ -261,7 +261,8 @@ fn crushing_sets_the_hinge_back() {
         both(&model, settings)
     };
     near_both(crushed(strength), 0.25 * (1.0 - stress / strength), EXACT);
-    near_both(crushed(100.0), 0.25 * (1.0 - stress / 100.0), EXACT);
+    // A strength of sixty times the stress sets a larger scale, and so a larger error.
+    near_both(crushed(1.0), 0.25 * (1.0 - stress), 10.0 * EXACT);
     // Below the stress of its weight it is crushed as it stands.
     let settings = LimitSettings {
         strength: Some(0.9 * stress),

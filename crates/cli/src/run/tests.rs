@@ -182,9 +182,13 @@ fn results_that_stop_being_writable_are_input_output_and_leave_no_summary() {
     let ended = recorded(&model, &out, |recorder| {
         let mut wrong = frame(&model, 1.0);
         wrong.stress.pop();
-        recorder.take(&model, &HistoryRow::default(), Some(&wrong))?;
+        let row = HistoryRow {
+            probes: vec![0.0; model.columns().len()],
+            ..HistoryRow::default()
+        };
+        recorder.take(&model, &row, Some(&wrong))?;
         // Fields are written concurrently, so the next row receives the error.
-        recorder.take(&model, &HistoryRow::default(), None)?;
+        recorder.take(&model, &row, None)?;
         panic!("the recorder must refuse")
     });
     let failure = ended.unwrap_err();
