@@ -282,6 +282,7 @@ pub(super) fn crossing(a: (f64, f64), b: (f64, f64), force: f64) -> f64 {
 }
 
 /// Four significant digits without an exponent: peaks lie between micrometres (couplets) and millimetres (walls).
+#[cfg(any(feature = "plot", feature = "run-folder"))]
 pub(super) fn brief(value: f64) -> String {
     let digits = if value == 0.0 {
         0

@@ -58,6 +58,7 @@ pub mod resuming;
 #[cfg(feature = "run-folder")]
 pub mod snapshot;
 pub mod summary;
+#[cfg(any(feature = "plot", feature = "run-folder"))]
 pub(crate) mod svg_text;
 pub mod usage;
 pub mod verdict;
