@@ -2,8 +2,9 @@
 
 use serde_json::json;
 use wythe_core::deck::quantity::Pressure;
-use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, analyse, picture};
+use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};
 use wythe_core::model::Model;
+use wythe_core::results::plotting::mechanism;
 
 use crate::arguments::Limit;
 use crate::failure::Failure;
@@ -19,7 +20,7 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     let Sound { deck, model, .. } = found.map_err(|unsound| unsound.tell(path))?;
     let found = analyse(&model, &settings).map_err(|why| failure(&why))?;
     if let Some(file) = &arguments.picture {
-        write_picture(file, picture(&model, &found), &deck.inputs())?;
+        write_picture(file, mechanism(&model, &found), &deck.inputs())?;
     }
     if !arguments.json {
         return print(&text(&model, &found, &settings));

@@ -7,13 +7,13 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{DeckError, ModelError, Warning};
-use wythe_core::limit::{LimitSettings, analyse, picture};
+use wythe_core::limit::{LimitSettings, analyse};
 use wythe_core::model::Model;
 use wythe_core::results::FoundModes;
 use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::export::inp;
 use wythe_core::results::output::{CHECKPOINT, DECK};
-use wythe_core::results::plotting::scene;
+use wythe_core::results::plotting::{mechanism, scene};
 
 use crate::errors::{self, Text};
 use crate::modes::FoundShapes;
@@ -221,7 +221,7 @@ impl Deck {
             return Err(errors::bug("a sound model is none"));
         };
         let found =
-            py.detach(|| analyse(model, &settings).map(|found| (picture(model, &found), found)));
+            py.detach(|| analyse(model, &settings).map(|found| (mechanism(model, &found), found)));
         let (svg, found) = found.map_err(|why| errors::of_limit(py, &why))?;
         let text = serde_json::to_string(&found);
         Ok((

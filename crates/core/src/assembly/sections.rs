@@ -11,9 +11,10 @@
 //! (theory/sections.md, eqs 1 and 2). Both are in equilibrium with the loads and reactions of either part to the
 //! tolerance of the increment.
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use super::{System, Trial};
+use crate::element::hexahedron::{cross, difference, dot};
 use crate::model::Model;
 use crate::model::boundary_facets::BoundaryFacets;
 use crate::model::sections::{COLUMNS, Section};
@@ -48,10 +49,10 @@ struct Resultant {
 impl Resultant {
     /// Subtracts a nodal force at distance `arm` [mm] from the centre.
     fn take(&mut self, force: &[f64; 3], arm: [f64; 3]) {
+        let moment = cross(arm, *force);
         for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             self.force[i] -= force[i];
-            self.moment[i] -= arm[j] * force[k] - arm[k] * force[j];
+            self.moment[i] -= moment[i];
         }
     }
 }
@@ -63,28 +64,11 @@ impl Cut {
             return Vec::new();
         }
         let skin = BoundaryFacets::of(&model.mesh);
-        let sorted = |facet: &[u32; 4]| {
-            let mut nodes = *facet;
-            nodes.sort_unstable();
-            nodes
-        };
-        let facets = skin
-            .facets
-            .iter()
-            .map(sorted)
-            .zip(skin.element.iter().copied());
-        let element_behind: FxHashMap<[u32; 4], u32> = facets.collect();
-        let behind = |facets: &[[u32; 4]]| -> Vec<Option<u32>> {
-            let behind = facets
-                .iter()
-                .map(|f| element_behind.get(&sorted(f)).copied());
-            behind.collect()
-        };
         let contact = &model.contact;
-        let slave = behind(&contact.slave_facets);
-        let master = behind(&contact.master_facets);
+        let slave = skin.behind(&contact.slave_facets);
+        let master = skin.behind(&contact.master_facets);
         let general = contact.general.as_ref();
-        let general = general.map_or_else(Vec::new, |general| behind(&general.skin.facets));
+        let general = general.map_or_else(Vec::new, |general| skin.behind(&general.skin.facets));
         let sections = model.sections.iter();
         let cuts = sections.map(|section| Self::of(model, section, [&slave, &master, &general]));
         cuts.collect()
@@ -147,10 +131,7 @@ fn nodes_at(model: &Model, section: &Section) -> Vec<u32> {
     let mesh = &model.mesh;
     let mut nodes = Vec::new();
     for e in section.above.iter().chain(&section.below) {
-        let height = |x: [f64; 3]| {
-            let along = (0..3).map(|i| (x[i] - section.centre[i]) * section.directions[0][i]);
-            along.sum::<f64>()
-        };
+        let height = |x| dot(difference(x, section.centre), section.directions[0]);
         let heights = mesh.corners(*e as usize).map(height);
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);

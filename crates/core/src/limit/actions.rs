@@ -89,8 +89,8 @@ impl Actions {
         for (b, body) in bodies.all.iter().enumerate() {
             actions.dead[b].add(&body.weight(gravity));
         }
-        actions.add_loads(model, bodies, at);
-        actions.add_beams(model, bodies, step);
+        actions.add_loads(model, bodies, (at, live));
+        actions.add_beams(bodies, step);
         actions.add_springs(model, bodies, step);
         let direction = match (live, &step.gravity, along) {
             (_, _, Some(along)) => Some(Vector3::from(along)),
@@ -112,8 +112,9 @@ impl Actions {
         Ok(actions)
     }
 
-    /// Adds named loads: the values before the live step are dead, their change in it is live.
-    fn add_loads(&mut self, model: &Model, bodies: &Bodies, at: usize) {
+    /// Adds named loads. If they are the live load, their values before the step are dead and their change in it is
+    /// live; otherwise those at the end of the step are dead.
+    fn add_loads(&mut self, model: &Model, bodies: &Bodies, (at, live): (usize, Live)) {
         let outside = ExternalLoads::new(model);
         let x = &model.mesh.nodes;
         for l in 0..model.loads.len() {
@@ -122,7 +123,12 @@ impl Actions {
                 let mut values = steps.filter_map(|step| step.loads.get(l).copied().flatten());
                 values.next().unwrap_or_default()
             };
-            let (before, after) = (value(at), value(at + 1));
+            let after = value(at + 1);
+            let before = if live == Live::Loads {
+                value(at)
+            } else {
+                after
+            };
             let change = [0, 1, 2].map(|i| after[i] - before[i]);
             for (value, wrenches) in [(before, &mut self.dead), (change, &mut self.live)] {
                 let mut force = vec![[0.0; 3]; x.len()];
@@ -138,7 +144,7 @@ impl Actions {
     }
 
     /// Adds forces on beams, and a live force of 1 N along a drive.
-    fn add_beams(&mut self, model: &Model, bodies: &Bodies, step: &Step) {
+    fn add_beams(&mut self, bodies: &Bodies, step: &Step) {
         for (b, body) in bodies.all.iter().enumerate() {
             let Some(motion) = body.beam.and_then(|beam| step.motion.get(beam)) else {
                 continue;
@@ -155,7 +161,6 @@ impl Actions {
                 self.live[b].force += along;
             }
         }
-        debug_assert_eq!(model.beams.len(), step.motion.len());
     }
 
     /// Adds springs: the driven one carries a live force of 1 N, all others react.

@@ -1,7 +1,6 @@
 //! Joints between rigid bodies: the polygons in which their faces touch at rest.
 
 use nalgebra::{Vector2, Vector3};
-use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use wythe_contact::{Aabb, Candidates, InterfaceLaw, Surface};
 
@@ -70,80 +69,50 @@ impl Joint {
     }
 
     /// All joints of a model at rest. `bonded`: with tensile strength and cohesion; otherwise the joints are dry, with
-    /// the friction that is left without bond.
-    #[expect(
-        clippy::too_many_lines,
-        reason = "planned and general contact share what is found of the surfaces"
-    )]
+    /// the friction that is left without bond. Faces that the deck pairs are not paired again by general contact.
     pub fn all(model: &Model, bodies: &Bodies, bonded: bool) -> Vec<Self> {
         let contact = &model.contact;
         let skin = BoundaryFacets::of(&model.mesh);
-        let sorted = |facet: &[u32; 4]| {
-            let mut nodes = *facet;
-            nodes.sort_unstable();
-            nodes
-        };
-        let element: FxHashMap<[u32; 4], u32> = skin
-            .facets
-            .iter()
-            .map(sorted)
-            .zip(skin.element.iter().copied())
-            .collect();
-        let body = |facet: &[u32; 4]| {
-            let element = element.get(&sorted(facet))?;
-            Some(bodies.of_element[*element as usize])
-        };
-        let whole: Vec<(usize, [u32; 4])> = contact.whole_slaves().map(|(f, n)| (f, *n)).collect();
-        let planned = Sides {
-            slave: whole.iter().map(|(_, nodes)| *nodes).collect(),
-            law: whole
-                .iter()
-                .map(|(f, _)| Some(contact.slave_law[*f]))
-                .collect(),
-            master: contact.master_facets.clone(),
-        };
-        let mut sides = vec![planned];
-        if contact.general.is_some() {
-            sides.push(Sides {
-                slave: skin.facets.clone(),
-                law: vec![None; skin.facets.len()],
-                master: skin.facets.clone(),
-            });
-        }
         let mut patches: BTreeMap<[usize; 2], Vec<Self>> = BTreeMap::new();
-        for side in &sides {
-            side.touching(&model.mesh.nodes, &body, &mut |bodies, polygon, law| {
-                let strength = match (law, &contact.general) {
-                    (Some(law), _) => strength(&contact.laws[usize::from(law)], bonded),
-                    (None, general) => Strength {
-                        friction: general.as_ref().map_or(0.0, |general| general.mu),
-                        cohesion: 0.0,
-                        tension: 0.0,
-                    },
-                };
-                let Polygon {
-                    frame,
-                    corners,
-                    area,
-                } = polygon;
-                let of_pair = patches.entry(bodies).or_default();
-                // Faces that the deck pairs are not paired again by general contact.
-                let known = |joint: &&Self| joint.law.is_some() && law.is_none();
-                if of_pair.iter().any(|joint| known(&joint)) {
-                    return;
+        let whole: Vec<(usize, [u32; 4])> = contact.whole_slaves().map(|(f, n)| (f, *n)).collect();
+        let facets: Vec<[u32; 4]> = whole.iter().map(|(_, nodes)| *nodes).collect();
+        let [slave, master] =
+            [&facets, &contact.master_facets].map(|facets| Side::of(facets, &skin, bodies));
+        touching(
+            &model.mesh.nodes,
+            &slave,
+            &master,
+            &mut |f, pair, polygon| {
+                let law = contact.slave_law[whole[f].0];
+                let strength = strength(&contact.laws[usize::from(law)], bonded);
+                let joint = polygon.joint(pair, Some(law), strength);
+                patches.entry(ordered(pair)).or_default().push(joint);
+            },
+        );
+        if let Some(general) = &contact.general {
+            let strength = Strength {
+                friction: general.mu,
+                cohesion: 0.0,
+                tension: 0.0,
+            };
+            let mut loose: BTreeMap<[usize; 2], Vec<Self>> = BTreeMap::new();
+            let all = Side::of(&skin.facets, &skin, bodies);
+            touching(&model.mesh.nodes, &all, &all, &mut |_, pair, polygon| {
+                // Each pair of bodies is found from both sides.
+                if pair[0] < pair[1] && !patches.contains_key(&pair) {
+                    let joint = polygon.joint(pair, None, strength);
+                    loose.entry(pair).or_default().push(joint);
                 }
-                of_pair.push(Self {
-                    bodies,
-                    frame,
-                    corners,
-                    area,
-                    law,
-                    strength,
-                });
             });
+            patches.append(&mut loose);
         }
         patches.into_values().flat_map(merged).collect()
     }
+}
+
+/// The smaller number first.
+fn ordered([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// Strengths of a law.
@@ -174,11 +143,26 @@ fn strength(law: &InterfaceLaw, bonded: bool) -> Strength {
     }
 }
 
-/// Two surfaces that may touch.
-struct Sides {
-    slave: Vec<[u32; 4]>,
-    law: Vec<Option<u16>>,
-    master: Vec<[u32; 4]>,
+/// Facets, and the body behind each.
+struct Side {
+    surface: Surface,
+    body: Vec<Option<usize>>,
+}
+
+impl Side {
+    fn of(facets: &[[u32; 4]], skin: &BoundaryFacets, bodies: &Bodies) -> Self {
+        let behind = skin.behind(facets).into_iter();
+        let body = behind.map(|element| element.map(|e| bodies.of_element[e as usize]));
+        let body: Vec<Option<usize>> = body.collect();
+        let number = |body: &Option<usize>| body.map_or(u32::MAX, |b| b as u32);
+        Self {
+            surface: Surface {
+                facets: facets.to_vec(),
+                body: body.iter().map(number).collect(),
+            },
+            body,
+        }
+    }
 }
 
 /// A convex polygon in space.
@@ -188,39 +172,44 @@ struct Polygon {
     area: f64,
 }
 
-impl Sides {
-    /// Calls `found` with the bodies, the polygon and the law of each pair of facets of two bodies that touch.
-    fn touching(
-        &self,
-        x: &[[f64; 3]],
-        body: &dyn Fn(&[u32; 4]) -> Option<usize>,
-        found: &mut dyn FnMut([usize; 2], Polygon, Option<u16>),
-    ) {
-        let surface = |facets: &[[u32; 4]]| Surface {
-            facets: facets.to_vec(),
-            body: facets
-                .iter()
-                .map(|f| body(f).map_or(u32::MAX, |b| b as u32))
-                .collect(),
-        };
-        let (slave, master) = (surface(&self.slave), surface(&self.master));
-        let corners = |facet: &[u32; 4]| facet.map(|n| x[n as usize]);
-        let boxes: Vec<Aabb> = self.slave.iter().map(|f| Aabb::of(&corners(f))).collect();
-        let sizes = self.slave.iter().map(|f| size(&corners(f)));
-        let mean = sizes.sum::<f64>() / self.slave.len().max(1) as f64;
-        let near = Candidates::find(&slave, &boxes, &master, x, TOUCHING * mean);
-        for (f, facet) in self.slave.iter().enumerate() {
-            for m in near.of(f) {
-                let other = &self.master[*m as usize];
-                let (Some(a), Some(b)) = (body(facet), body(other)) else {
-                    continue;
-                };
-                if a == b {
-                    continue;
-                }
-                if let Some(polygon) = overlap(&corners(facet), &corners(other)) {
-                    found([a, b], polygon, self.law[f]);
-                }
+impl Polygon {
+    fn joint(self, bodies: [usize; 2], law: Option<u16>, strength: Strength) -> Joint {
+        Joint {
+            bodies,
+            frame: self.frame,
+            corners: self.corners,
+            area: self.area,
+            law,
+            strength,
+        }
+    }
+}
+
+/// Calls `found` with the slave facet, the bodies and the polygon of each pair of facets of two bodies that touch, for
+/// nodes at `x` [mm].
+fn touching(
+    x: &[[f64; 3]],
+    slave: &Side,
+    master: &Side,
+    found: &mut dyn FnMut(usize, [usize; 2], Polygon),
+) {
+    let corners = |facet: &[u32; 4]| facet.map(|n| x[n as usize]);
+    let facets = &slave.surface.facets;
+    let boxes: Vec<Aabb> = facets.iter().map(|f| Aabb::of(&corners(f))).collect();
+    let sizes = facets.iter().map(|f| size(&corners(f)));
+    let mean = sizes.sum::<f64>() / facets.len().max(1) as f64;
+    let near = Candidates::find(&slave.surface, &boxes, &master.surface, x, TOUCHING * mean);
+    for (f, facet) in facets.iter().enumerate() {
+        for m in near.of(f) {
+            let m = *m as usize;
+            let (Some(a), Some(b)) = (slave.body[f], master.body[m]) else {
+                continue;
+            };
+            if a == b {
+                continue;
+            }
+            if let Some(polygon) = overlap(&corners(facet), &corners(&master.surface.facets[m])) {
+                found(f, [a, b], polygon);
             }
         }
     }
@@ -340,8 +329,14 @@ fn hull_of(plane: Vec<Joint>) -> Vec<Joint> {
     }]
 }
 
+/// Convex outline of points in a plane, counter-clockwise.
+pub fn convex_outline(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let points = points.into_iter().map(Vector2::from).collect();
+    hull(points).into_iter().map(Into::into).collect()
+}
+
 /// Convex hull, counter-clockwise (Andrew 1979). Points on its edges are left out.
-pub(super) fn hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
+fn hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let reach = points
         .iter()

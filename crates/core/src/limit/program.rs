@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 use super::LimitError;
 use super::bodies::{Bodies, Wrench};
 use super::joints::Joint;
+use super::rods::Rod;
 
 /// A corner of a joint, at which a force acts.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +45,8 @@ pub struct Program<'a> {
     pub loads: [&'a [Wrench]; 2],
     /// Compressive strength of the joints [MPa]; none if it is infinite.
     pub strength: Option<f64>,
-    /// Wrenches of reactions of size 1 N.
-    pub reactions: &'a [Vec<(usize, Wrench)>],
+    /// Segments of ties.
+    pub rods: &'a [Rod],
 }
 
 /// Solution of a program.
@@ -57,6 +58,8 @@ pub struct Solution {
     pub gap: f64,
     /// Force at each corner: normal, compression positive, and two shear forces [N]. `[corner]`
     pub forces: Vec<[f64; 3]>,
+    /// Force of each rod, tension positive [N]. `[rod]`
+    pub rods: Vec<f64>,
     /// Velocity and spin of each body in the mechanism, for a live power of 1. `[body]`
     pub mechanism: Vec<[Vector3<f64>; 2]>,
 }
@@ -161,6 +164,10 @@ impl Program<'_> {
             factor: without_noise(found.x[0]) * live,
             gap: (found.x[0] + found.obj_val_dual).abs() / found.x[0].abs().max(SMALL),
             forces: (0..self.corners.len()).map(of_corner).collect(),
+            rods: (self.first_rod()..)
+                .take(self.rods.len())
+                .map(|column| scale * found.x[column])
+                .collect(),
             mechanism: self.mechanism(&found.z, 1.0 / live),
         })
     }
@@ -174,6 +181,8 @@ impl Program<'_> {
             let bond = joint.strength.cohesion.max(joint.strength.tension);
             bond.max(self.strength.unwrap_or(0.0)) * joint.area
         });
+        let rods = self.rods.iter().map(|rod| rod.most);
+        let strengths = strengths.chain(rods.filter(|most| most.is_finite()));
         let most = strengths.fold(sum, f64::max);
         // Strengths that no force reaches set no scale.
         let scale = if sum > 0.0 {
@@ -225,22 +234,55 @@ impl Program<'_> {
                 }
             }
         }
-        let mut column = 1 + 3 * self.corners.len();
-        for reaction in self.reactions {
-            for (body, wrench) in reaction {
+        let ends = self.rods.iter().map(|rod| &rod.ends[..]);
+        let single = self.bodies.reactions.iter().map(|reaction| &reaction[..]);
+        for (column, wrenches) in (self.first_rod()..).zip(ends.chain(single)) {
+            for (body, wrench) in wrenches {
                 act(&mut entries, *body, column, wrench);
             }
-            column += 1;
         }
+        let columns = self.first_rod() + self.rods.len() + self.bodies.reactions.len();
         let mut cones = vec![ZeroConeT(equations)];
+        self.add_rods(scale, &mut entries, &mut right, &mut cones);
         self.add_strengths(scale, &mut entries, &mut right, &mut cones);
+        let size = (right.len(), columns);
         let Triplets {
             rows,
             columns,
             values,
         } = entries;
-        let matrix = CscMatrix::new_from_triplets(right.len(), column, rows, columns, values);
+        let matrix = CscMatrix::new_from_triplets(size.0, size.1, rows, columns, values);
         (matrix, right, cones)
+    }
+
+    /// Column of the first rod; those of reactions follow.
+    fn first_rod(&self) -> usize {
+        1 + 3 * self.corners.len()
+    }
+
+    /// Adds the bounds of the rods.
+    fn add_rods(
+        &self,
+        scale: f64,
+        entries: &mut Triplets,
+        right: &mut Vec<f64>,
+        cones: &mut Vec<SupportedConeT<f64>>,
+    ) {
+        let before = right.len();
+        for (column, rod) in (self.first_rod()..).zip(self.rods) {
+            if rod.most.is_finite() {
+                entries.add(right.len(), column, 1.0);
+                right.push(rod.most / scale);
+            }
+            let least = if rod.compression { -rod.most } else { 0.0 };
+            if least.is_finite() {
+                entries.add(right.len(), column, -1.0);
+                right.push(-least / scale);
+            }
+        }
+        if right.len() > before {
+            cones.push(NonnegativeConeT(right.len() - before));
+        }
     }
 
     /// Adds the cones of the corners.

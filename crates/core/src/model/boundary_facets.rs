@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
 use wythe_contact::frame_at;
 
 use super::Mesh;
@@ -48,6 +49,22 @@ impl BoundaryFacets {
         }
         skin.find_edges(&mesh.nodes);
         skin
+    }
+
+    /// Element behind each of some facets, whose nodes may stand in any order; none for a facet that is not on the
+    /// boundary of a body.
+    pub fn behind(&self, facets: &[[u32; 4]]) -> Vec<Option<u32>> {
+        let sorted = |facet: &[u32; 4]| {
+            let mut nodes = *facet;
+            nodes.sort_unstable();
+            nodes
+        };
+        let own = self.facets.iter().map(sorted);
+        let element: FxHashMap<[u32; 4], u32> = own.zip(self.element.iter().copied()).collect();
+        facets
+            .iter()
+            .map(|facet| element.get(&sorted(facet)).copied())
+            .collect()
     }
 
     /// Sharp convex edges at positions `x` [mm] `[node]`.

@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::axis::{Axis, along_axis};
+use crate::element::hexahedron::{cross, difference, dot, norm};
 
 /// A cut through solids and joints along faces of elements.
 ///
@@ -30,10 +31,10 @@ pub const COLUMNS: usize = 6;
 impl Section {
     /// Directions of a section with this normal: itself, then two in its plane.
     pub fn directions(normal: [f64; 3]) -> [[f64; 3]; 3] {
-        let dot = |axis: &usize| normal[*axis].abs();
+        let part = |axis: &usize| normal[*axis].abs();
         let lies_in = |axis: &usize| normal[*axis] == 0.0;
         // An oblique normal has no axis in its plane: the one that is closest to it is projected.
-        let closest = || (0..3).min_by(|a, b| dot(a).total_cmp(&dot(b)));
+        let closest = || (0..3).min_by(|a, b| part(a).total_cmp(&part(b)));
         let axis = (0..3).find(lies_in).or_else(closest).unwrap_or(0);
         let along = along_axis(axis);
         let part = normal[axis];
@@ -68,8 +69,7 @@ impl Section {
 
     /// Values of the columns from force [N] and moment [N mm] of the part above on the part below.
     pub fn values(&self, force: [f64; 3], moment: [f64; 3]) -> [f64; COLUMNS] {
-        let along =
-            |v: [f64; 3], d: usize| (0..3).map(|i| v[i] * self.directions[d][i]).sum::<f64>();
+        let along = |v: [f64; 3], d: usize| dot(v, self.directions[d]);
         let [normal, first, second] = [0, 1, 2].map(|d| 1e-3 * along(force, d));
         let [torque, about_first, about_second] = [0, 1, 2].map(|d| 1e-6 * along(moment, d));
         [normal, first, second, about_first, about_second, torque]
@@ -124,8 +124,7 @@ impl Sides {
         };
         for e in elements {
             let corners = mesh.corners(e as usize);
-            let height =
-                |x: &[f64; 3]| (0..3).map(|i| (x[i] - through[i]) * normal[i]).sum::<f64>();
+            let height = |x: &[f64; 3]| dot(difference(*x, through), normal);
             let heights = corners.map(|x| height(&x));
             let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
             let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -157,15 +156,8 @@ impl Sides {
     }
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
-}
-
 fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = norm(v);
     v.map(|x| x / length)
 }
 
@@ -193,7 +185,6 @@ mod tests {
             [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0],
         ] {
             let [n, a, b] = Section::directions(normal);
-            let dot = |u: [f64; 3], v: [f64; 3]| (0..3).map(|i| u[i] * v[i]).sum::<f64>();
             let products = [
                 dot(n, a),
                 dot(n, b),

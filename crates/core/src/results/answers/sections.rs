@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::element::hexahedron::{cross, dot};
 use crate::model::Model;
 use crate::model::sections::{COLUMNS, Section};
 use crate::state::HistoryRow;
@@ -47,13 +48,8 @@ impl SectionForces {
         let normal = values[0];
         let [_, first, second] = section.directions;
         let eccentricity = |along: [f64; 3]| {
-            let n = section.directions[0];
-            let arm = [0, 1, 2].map(|i| {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                along[j] * n[k] - along[k] * n[j]
-            });
-            let part = |d: [f64; 3]| (0..3).map(|i| arm[i] * d[i]).sum::<f64>();
-            1e3 * (values[3] * part(first) + values[4] * part(second)) / normal
+            let arm = cross(along, section.directions[0]);
+            1e3 * (values[3] * dot(arm, first) + values[4] * dot(arm, second)) / normal
         };
         Self {
             name: section.name.clone(),
@@ -117,10 +113,7 @@ mod tests {
             let [n, a, b] = section.directions;
             let at = [0, 1, 2].map(|i| 30.0 * a[i] - 20.0 * b[i]);
             let force = n.map(|n| -1e4 * n);
-            let moment = [0, 1, 2].map(|i| {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                at[j] * force[k] - at[k] * force[j]
-            });
+            let moment = cross(at, force);
             let found = SectionForces::of(&section, &section.values(force, moment));
             let [along_a, along_b] = found.eccentricity_mm.unwrap();
             // Rounding of a few products.

@@ -8,6 +8,7 @@ pub mod columns;
 #[cfg(feature = "run-folder")]
 pub mod deflection;
 pub mod histogram;
+pub mod mechanism;
 mod place;
 pub mod raster;
 pub mod scatter;
@@ -20,6 +21,7 @@ pub use chart::{Line, curves, load_displacements};
 #[cfg(feature = "run-folder")]
 pub use deflection::{Along, Deflection, deflections};
 pub use histogram::{Bars, histogram};
+pub use mechanism::mechanism;
 pub use raster::{png, png_of_width};
 pub use scatter::{Scatter, Spot};
 #[cfg(feature = "run-folder")]

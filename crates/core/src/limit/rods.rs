@@ -1,0 +1,50 @@
+//! Ties of a model as rods between rigid bodies: a force along each segment up to its yield force.
+
+use nalgebra::Vector3;
+
+use super::bodies::{Bodies, Wrench};
+use crate::model::Model;
+
+/// A segment of a tie between two bodies.
+#[derive(Clone, Debug)]
+pub struct Rod {
+    /// Index of its tie.
+    pub tie: usize,
+    /// Bodies at its ends, and the wrench on each of a tension of 1 N.
+    pub ends: [(usize, Wrench); 2],
+    /// Largest force [N]; infinite without a yield stress.
+    pub most: f64,
+    /// Whether it carries compression.
+    pub compression: bool,
+}
+
+impl Rod {
+    /// All segments of ties whose ends lie in two bodies.
+    pub fn all(model: &Model, bodies: &Bodies) -> Vec<Self> {
+        let mut rods = Vec::new();
+        for (t, tie) in model.ties.iter().enumerate() {
+            for ends in tie.segments() {
+                let body = ends.map(|end| bodies.of_element[end.element as usize]);
+                let at = ends.map(|end| Vector3::from(end.at));
+                let Some(along) = (at[1] - at[0]).try_normalize(0.0) else {
+                    continue;
+                };
+                if body[0] == body[1] {
+                    continue;
+                }
+                // Tension pulls each end towards the other one.
+                let end = |k: usize, force: Vector3<f64>| {
+                    let arm = at[k] - bodies.all[body[k]].centre;
+                    (body[k], Wrench::at(arm, force))
+                };
+                rods.push(Self {
+                    tie: t,
+                    ends: [end(0, along), end(1, -along)],
+                    most: tie.law.f_y * tie.law.area,
+                    compression: tie.law.compression,
+                });
+            }
+        }
+        rods
+    }
+}

@@ -1,0 +1,73 @@
+//! Rigid bodies of a model with their joints, ties and actions.
+
+use super::actions::Actions;
+use super::bodies::Bodies;
+use super::joints::Joint;
+use super::program::{Program, Solution};
+use super::rods::Rod;
+use super::yield_surface::YieldSurface;
+use super::{LimitError, LimitSettings, Live};
+use crate::model::Model;
+
+/// A scene of rigid units.
+pub struct RigidScene<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Rigid bodies.
+    pub bodies: Bodies,
+    /// Joints between them.
+    pub joints: Vec<Joint>,
+    /// Segments of ties between them.
+    pub rods: Vec<Rod>,
+    /// Dead and live actions.
+    actions: Actions,
+}
+
+impl<'a> RigidScene<'a> {
+    /// Scene of a model whose step `live.0` is the live one.
+    ///
+    /// # Errors
+    /// Planes of symmetry; a body force without weight.
+    pub fn of(
+        model: &'a Model,
+        live: (usize, Live),
+        settings: &LimitSettings,
+    ) -> Result<Self, LimitError> {
+        let mut bodies = Bodies::of(model, &model.steps[live.0])?;
+        let mut actions = Actions::of(model, &bodies, live, settings.along)?;
+        bodies.reactions.append(&mut actions.springs);
+        Ok(Self {
+            joints: Joint::all(model, &bodies, settings.bonded),
+            rods: Rod::all(model, &bodies),
+            model,
+            bodies,
+            actions,
+        })
+    }
+
+    /// Largest factor with a yield surface.
+    ///
+    /// # Errors
+    /// No state carries the dead loads, no factor is too large, the solver fails.
+    pub fn solve(
+        &self,
+        surface: &YieldSurface<'_>,
+        settings: &LimitSettings,
+    ) -> Result<Solution, LimitError> {
+        let program = Program {
+            bodies: &self.bodies,
+            joints: &self.joints,
+            corners: surface.corners(),
+            loads: [&self.actions.dead, &self.actions.live],
+            strength: settings.strength,
+            rods: &self.rods,
+        };
+        program.solve().map_err(|why| match why {
+            LimitError::Falls(body) => {
+                let unit = self.bodies.all.get(body).map_or(0, |body| body.unit);
+                LimitError::FallsAt(self.model.mesh.called(unit))
+            }
+            other => other,
+        })
+    }
+}
