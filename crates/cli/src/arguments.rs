@@ -423,7 +423,7 @@ pub struct Limit {
     /// Compressive strength of the joints, such as '8 MPa'; without, it is infinite.
     #[arg(long, value_name = "PRESSURE")]
     pub strength: Option<String>,
-    /// Body force over the weight along this direction, in place of the steps of the deck.
+    /// Body force over the weight along this direction, in place of the live step.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     pub along: Option<String>,
     /// Draw the mechanism and the forces, as SVG or PNG by the file's extension.

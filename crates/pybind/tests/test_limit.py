@@ -57,6 +57,7 @@ def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
     assert top["spin"][1] > 0.0
     [joint] = found.joints
     assert joint["at_mm"][0] == pytest.approx(200.0, rel=1e-6)
+    assert found.ties == []
     assert found.picture.save(tmp_path / "mechanism.svg")
     assert model.limit(along=[0.0, -2.0, 0.0], associated=True).factor == pytest.approx(0.125, rel=1e-6)
     crushed = model.limit(along="x", strength=0.05, bonded=True).factor

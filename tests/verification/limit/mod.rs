@@ -306,3 +306,65 @@ fn what_has_no_factor_says_why() {
         assert!(!why.advice().is_empty());
     }
 }
+
+/// A block that tips about its edge, held down by a rod at 150 mm from it: λ W h/2 = W b/2 + T a.
+#[test]
+fn a_tie_carries_up_to_its_yield_force() {
+    let tied = |more: &str| {
+        scene(&format!(
+            "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"top\"\nsize = [200, 100, 800]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
+             [[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n\
+             [[supports]]\non = \"base.bottom\"\n\
+             [[ties]]\nname = \"rod\"\npoints = [[50, 50, -25], [50, 50, 300]]\narea = 1\nE = \"200 GPa\"\n{more}\n\
+             [[steps]]\nkind = \"gravity\"\n"
+        ))
+    };
+    let weight = 2e-9 * 9810.0 * 200.0 * 100.0 * 800.0;
+    let model = tied("f_y = \"50 MPa\"");
+    let known = (weight * 100.0 + 50.0 * 150.0) / (weight * 400.0);
+    near_both(both(&model, along(0)), known, EXACT);
+    let found = analyse(&model, &along(0)).unwrap();
+    assert_eq!(found.ties[0].name, "rod");
+    near(found.ties[0].force, 50.0, EXACT);
+    // It holds only the side on which it is stretched: from the other edge it is at 50 mm.
+    let back = LimitSettings {
+        along: Some([-1.0, 0.0, 0.0]),
+        ..LimitSettings::default()
+    };
+    let known = (weight * 100.0 + 50.0 * 50.0) / (weight * 400.0);
+    near_both(both(&model, back), known, EXACT);
+}
+
+/// Faces that only general contact pairs have their area once, whichever body is first.
+#[test]
+fn loose_faces_are_joined_once() {
+    let scene = |contact: &str| {
+        scene(&format!(
+            "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"top\"\nsize = [200, 100, 800]\nmaterial = \"stone\"\n{contact}\
+             [[supports]]\non = \"base.bottom\"\n[[steps]]\nkind = \"gravity\"\n"
+        ))
+    };
+    let planned =
+        scene("[[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n");
+    let mut loose =
+        scene("[[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n");
+    let stiffness = wythe::model::general::DryStiffness::Penalty(50.0);
+    let general = wythe::model::general::GeneralContact::new(
+        "dry",
+        &loose.mesh,
+        &loose.materials,
+        0.4,
+        stiffness,
+    );
+    loose.contact = wythe::model::scene::ContactSurfaces::default();
+    loose.contact.general = Some(general);
+    let crushed = LimitSettings {
+        strength: Some(0.05),
+        ..along(0)
+    };
+    let [a, b] = [&planned, &loose].map(|model| analyse(model, &crushed).unwrap());
+    assert_eq!((a.joints.len(), b.joints.len()), (1, 1));
+    near(b.factor, a.factor, EXACT);
+}

@@ -8,6 +8,7 @@ use crate::common::scene::{self, DENSITY, Face};
 use wythe::contact::CohesiveFrictional;
 use wythe::material::MaterialParameters;
 use wythe::model::Model;
+use wythe::model::ties::{self, Tie, TieLaw};
 use wythe::solve::vibration::{About, Mode, Modes, VibrationError, modes};
 use wythe::state::{Frame, InterfaceFrame};
 
@@ -188,6 +189,38 @@ fn a_rigid_block_vibrates_on_the_springs_of_its_joint() {
         // The block is not quite rigid: k_n z/E = 1e-5, times the shape of the bending.
         assert!((mode.frequency / closed - 1.0).abs() < 1e-4, "{closed}");
     }
+}
+
+/// A rod between slab and block is a spring beside the joint: it adds E A/(L m) to the square of the vertical mode.
+#[test]
+fn a_tie_stiffens_the_vertical_mode() {
+    let dry = CohesiveFrictional::dry(0.6, JOINT[0], JOINT[1]);
+    let vertical = |model: &Model| main_mode(&at_rest(model, 6), 2).frequency;
+    let without = block_on_joint(dry, 6e7);
+    let [x, y, z] = BLOCK;
+    let law = TieLaw {
+        area: 100.0,
+        E: 2e5,
+        f_y: f64::INFINITY,
+        hardening: 0.0,
+        rupture: f64::INFINITY,
+        compression: true,
+    };
+    let ends = [[0.5 * x, 0.5 * y, -25.0], [0.5 * x, 0.5 * y, 0.5 * z]];
+    let length = 0.5 * z + 25.0;
+    let mut with = without.clone();
+    with.ties.push(Tie {
+        name: "rod".to_owned(),
+        law,
+        strands: vec![ties::anchored(&with.mesh, ends).unwrap()],
+    });
+    let mass = DENSITY * x * y * z;
+    let added = law.E * law.area / length / mass / TAU.powi(2);
+    let [before, after] = [&without, &with].map(vertical);
+    let found = after * after - before * before;
+    println!("{before} Hz, {after} Hz: {found} of {added}");
+    // The block is not quite rigid at the end of the rod.
+    assert!((found / added - 1.0).abs() < 5e-3, "{found} {added}");
 }
 
 #[test]

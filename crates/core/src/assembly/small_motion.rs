@@ -55,6 +55,8 @@ impl System {
             .write_stiffness(&mut trial.cells.stiffness[n_loaded * CELL..n_sprung * CELL]);
         trial.node_force.clear();
         trial.node_force.resize(self.bulk.reference.len(), [0.0; 3]);
+        // Ties measure their work from the positions at the start, which are those of the state.
+        trial.x_start.clone_from(&trial.x);
         self.ties.evaluate(state, trial);
         self.ties.write_stiffness(
             &trial.ties.segments,

@@ -89,7 +89,7 @@ impl Actions {
         for (b, body) in bodies.all.iter().enumerate() {
             actions.dead[b].add(&body.weight(gravity));
         }
-        actions.add_loads(model, bodies, (at, live));
+        actions.add_loads(model, bodies, at);
         actions.add_beams(bodies, step);
         actions.add_springs(model, bodies, step);
         let direction = match (live, &step.gravity, along) {
@@ -112,9 +112,10 @@ impl Actions {
         Ok(actions)
     }
 
-    /// Adds named loads. If they are the live load, their values before the step are dead and their change in it is
-    /// live; otherwise those at the end of the step are dead.
-    fn add_loads(&mut self, model: &Model, bodies: &Bodies, (at, live): (usize, Live)) {
+    /// Adds named loads. In a step that does nothing but load, their values before it are dead and their change is live;
+    /// in another one those at its end are dead.
+    fn add_loads(&mut self, model: &Model, bodies: &Bodies, at: usize) {
+        let loads = live_step(model) == Some((at, Live::Loads));
         let outside = ExternalLoads::new(model);
         let x = &model.mesh.nodes;
         for l in 0..model.loads.len() {
@@ -124,11 +125,7 @@ impl Actions {
                 values.next().unwrap_or_default()
             };
             let after = value(at + 1);
-            let before = if live == Live::Loads {
-                value(at)
-            } else {
-                after
-            };
+            let before = if loads { value(at) } else { after };
             let change = [0, 1, 2].map(|i| after[i] - before[i]);
             for (value, wrenches) in [(before, &mut self.dead), (change, &mut self.live)] {
                 let mut force = vec![[0.0; 3]; x.len()];

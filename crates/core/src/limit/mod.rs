@@ -99,7 +99,9 @@ const SETTLED: f64 = 1e-4;
 /// [`LimitError`].
 pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis, LimitError> {
     let (step, live) = match (live_step(model), settings.along) {
-        (_, Some(_)) => (model.steps.len().saturating_sub(1), Live::BodyForce),
+        // In place of the live step, if the deck has one.
+        (Some((step, _)), Some(_)) => (step, Live::BodyForce),
+        (None, Some(_)) => (model.steps.len().saturating_sub(1), Live::BodyForce),
         (Some(found), None) => found,
         (None, None) => return Err(LimitError::NothingLive),
     };

@@ -16,6 +16,7 @@ pub(crate) mod rounding;
 pub mod scene;
 pub mod sections;
 pub mod sizes;
+pub mod steps;
 pub mod surfaces;
 pub mod ties;
 

@@ -120,7 +120,8 @@ fn densities(materials: &[String]) -> String {
 }
 
 /// The `count` lowest modes, or all if the model has fewer. Supports hold their nodes, beams move as in the step,
-/// ends of springs stay. General contact and follower pressures have no stiffness here.
+/// ends of springs stay. General contact and follower pressures have no stiffness here. Ties that broke before a frame
+/// count as whole.
 ///
 /// # Errors
 /// [`VibrationError`].

@@ -40,6 +40,8 @@ class LimitAnalysis:
     joints : list of dict
         Resultant in each joint: ``bodies``, ``at_mm`` where the normal force acts, ``force_N``, ``normal_N``,
         ``sliding``: the used part of the shear strength.
+    ties : list of dict
+        Largest force in each tie: ``name``, ``force_N``.
     """
 
     factor: float
@@ -51,6 +53,7 @@ class LimitAnalysis:
     programs: int
     mechanism: list[dict[str, Any]] = field(repr=False)
     joints: list[dict[str, Any]] = field(repr=False)
+    ties: list[dict[str, Any]] = field(repr=False)
     picture: Picture = field(repr=False)
     """The mechanism and the forces."""
 
@@ -78,6 +81,7 @@ def limit_of(
         programs=found["programs"],
         mechanism=found["mechanism"],
         joints=found["joints"],
+        ties=found["ties"],
         picture=Picture(svg),
     )
 

@@ -320,7 +320,7 @@ class Model:
         strength
             Compressive strength of the joints [MPa]; infinite if not given.
         along
-            Direction of a body force over the weight, in place of the steps: ``"x"``, ``"-y"``, or a vector.
+            Direction of a body force over the weight, in place of the live step: ``"x"``, ``"-y"``, or a vector.
 
         Raises
         ------

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wythe import _wythe
+from wythe._drawing import Face, Kind, View, factor_of, plot_columns, plot_curve, seen_from
 from wythe._errors import OutputError, as_path, expected, need, unwritten, write_text
 from wythe._frames import Floats, Frame, History, Interfaces
 from wythe._grids import as_meshio, as_pyvista
@@ -49,31 +50,6 @@ VerdictKind = Literal[
     "interrupted",
     "stopped",
 ]
-#: Kinds of pictures of :meth:`Results.picture`.
-Kind = Literal["curves", "columns", "cracks", "deflection_height", "deflection_length"]
-#: Faces of a wall; the front is at the smallest y.
-Face = Literal["front", "back", "left", "right", "top"]
-#: Direction of a view: ``"iso"``, a face, or degrees around from the front and above.
-View = Union[str, "tuple[float, float]"]
-
-
-def _seen(face: str | None, section: str | None, view: View | None) -> str:
-    """The one view that is given, as Rust reads it."""
-    given = [one for one in (face, section, view) if one is not None]
-    if len(given) > 1:
-        raise ValueError("face, section, view: expected one of them")
-    if section is not None and "=" not in section:
-        raise ValueError(f"section: expected an axis and mm, as 'y=125', got {section!r}")
-    if not given:
-        return "front"
-    seen = given[0]
-    return seen if isinstance(seen, str) else ",".join(str(float(part)) for part in seen)
-
-
-def _factor(scale: float | None) -> float | None:
-    if scale is not None and not (math.isfinite(scale) and scale >= 0.0):
-        raise ValueError(f"scale: expected a number from 0, got {scale}")
-    return None if scale is None else float(scale)
 
 
 class Results:
@@ -460,46 +436,11 @@ class Results:
             The history has no such column of numbers.
         """
         need("matplotlib", "plot")
-        from matplotlib import pyplot
-
         default_x, default_y = _wythe.default_columns(self._path)
         if x is not None or y is not None or default_x == "time" and experiment is None:
             names = default_y if y is None else [y] if isinstance(y, str) else list(y)
-            return self._plot_columns(default_x if x is None else x, names, ax, label)
-        if ax is None:
-            _, ax = pyplot.subplots()
-        driven = self.history["driven"]
-        way = self.history["displacement_mm"][driven]
-        force = self.history["force_kN"][driven]
-        ax.plot(way, force, label=self._name() if label is None else label)
-        if not math.isnan(self.peak_force):
-            ax.plot([self.displacement_at_peak], [self.peak_force], "o", color="0.3", markersize=4)
-        if experiment is not None:
-            name, points = _wythe.experiment(as_path("experiment", experiment))
-            ax.plot(points[:, 0], points[:, 1], "--", color="0.4", label=name)
-        ax.set_xlabel("displacement [mm]")
-        ax.set_ylabel("force [kN]")
-        ax.grid(True, alpha=0.3)
-        ax.legend()
-        return ax
-
-    def _plot_columns(self, x: str, names: list[str], ax: Axes | None, label: str | None) -> Axes:
-        from matplotlib import pyplot
-
-        for name in [x, *names]:
-            if not isinstance(name, str):
-                raise expected("x, y", "names of columns", name)
-        axes = {name: _wythe.history_column(self._path, name) for name in [x, *names]}
-        if ax is None:
-            _, ax = pyplot.subplots()
-        for name in names:
-            said = axes[name] if label is None else label if len(names) == 1 else f"{label}: {name}"
-            ax.plot(self.history[x], self.history[name], label=said)
-        ax.set_xlabel(axes[x])
-        ax.set_ylabel(axes[names[0]] if len(names) == 1 else "")
-        ax.grid(True, alpha=0.3)
-        ax.legend()
-        return ax
+            return plot_columns(self, default_x if x is None else x, names, ax, label)
+        return plot_curve(self, experiment, ax, self._name() if label is None else label)
 
     def picture(
         self,
@@ -553,8 +494,8 @@ class Results:
             return Picture(_wythe.columns_picture(runs, x, names))
         if kind == "cracks":
             number = str(self._frame_number(frame))
-            seen = _seen(face, section, view)
-            return Picture(_wythe.wall(self._path, number, seen, _factor(scale)))
+            seen = seen_from(face, section, view)
+            return Picture(_wythe.wall(self._path, number, seen, factor_of(scale)))
         # Curves need no frame, so a missing one is no error.
         number = "last" if kind == "curves" else str(self._frame_number(frame))
         return Picture(_wythe.picture(kind, runs, measured, number))
@@ -593,7 +534,7 @@ class Results:
             raise ValueError("animate: expected width from 50 to 4000, most from 1, delay above 0")
         name = as_path("path", path)
         drawn = (int(width), float(delay), bool(curve), int(most))
-        _wythe.animate(self._path, name, _seen(face, section, view), _factor(scale), drawn)
+        _wythe.animate(self._path, name, seen_from(face, section, view), factor_of(scale), drawn)
         return name
 
     def report(

@@ -6,7 +6,7 @@
 
 use super::SpecimenDeck;
 use super::options::Specimen;
-use super::text::{WallText, head, mm, point, tables, wall};
+use super::text::{FASTENED, WallText, head, mm, point, tables, wall};
 use std::fmt::Write as _;
 
 /// Units along the wall.
@@ -104,19 +104,6 @@ fn about(kind: &str, slots: bool, pressure: f64) -> (String, String) {
     );
     (title, about)
 }
-
-/// The bond of beds and skins to the mortar that they are a part of.
-pub(super) const FASTENED: &str = r#"
-[interfaces.fastened] # mortar on mortar: strong
-f_t = "100 MPa"
-c = "200 MPa"
-tan_phi = 1
-mu = 1
-u_k = "1 mm"
-delta_k = "1 mm"
-zeta = 4.38
-xi = 1.1
-"#;
 
 fn text(specimen: &Specimen, kind: &str, pressure: f64, parts: &Parts) -> String {
     let (title, about) = about(kind, parts.slots, pressure);

@@ -2,7 +2,7 @@
 
 use super::SpecimenDeck;
 use super::options::Specimen;
-use super::text::{STEEL, WallText, head, mm, point, tables, wall, within};
+use super::text::{FASTENED, STEEL, WallText, head, mm, point, tables, wall, within};
 
 /// Elements of a unit with its joints: length, height, thickness.
 const MESH: Option<[u32; 3]> = Some([5, 4, 2]);
@@ -220,6 +220,7 @@ pub(super) fn wrench(specimen: &Specimen) -> Vec<SpecimenDeck> {
 EN 1052-5: the load on a lever tears the upper unit off. The lever has no weight here, nor has the unit.",
     );
     text.push_str(STEEL);
+    text.push_str(FASTENED);
     text.push_str(&courses(specimen, 2, LOOSE));
     let of = format!(
         "lever = \"{} mm\" # from the load to the tension face\n",

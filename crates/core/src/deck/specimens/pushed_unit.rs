@@ -2,9 +2,9 @@
 //! on one side there is room for the jack.
 
 use super::SpecimenDeck;
-use super::flat_jack::{Body, FASTENED, contact, length};
+use super::flat_jack::{Body, contact, length};
 use super::options::Specimen;
-use super::text::{WallText, head, mm, point, tables, wall};
+use super::text::{FASTENED, WallText, head, mm, point, tables, wall};
 
 /// Courses of the wall below and above that of the unit.
 const COURSES: u32 = 4;

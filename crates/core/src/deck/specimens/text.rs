@@ -44,13 +44,16 @@ pub(super) fn head(specimen: &Specimen, title: &str, about: &str) -> String {
     text
 }
 
-/// Steel of platens, shoes and levers, and the bond that fastens them.
+/// Steel of platens, shoes and levers.
 pub(super) const STEEL: &str = r#"
 [materials.steel] # platens
 E = "210 GPa"
 nu = 0.3
+"#;
 
-[interfaces.fastened] # platens on masonry: capped, strong
+/// The bond that fastens one part to another.
+pub(super) const FASTENED: &str = r#"
+[interfaces.fastened] # strong
 f_t = "100 MPa"
 c = "200 MPa"
 tan_phi = 1

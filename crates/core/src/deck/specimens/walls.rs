@@ -2,7 +2,7 @@
 
 use super::SpecimenDeck;
 use super::options::Specimen;
-use super::text::{STEEL, WallText, head, mm, point, tables, wall};
+use super::text::{FASTENED, STEEL, WallText, head, mm, point, tables, wall};
 
 /// Whole units and courses nearest to a size [mm]: length, number of courses, height up to the last unit.
 fn fitted(specimen: &Specimen, default: [f64; 2]) -> (f64, u32, f64) {
@@ -47,6 +47,7 @@ pub(super) fn diagonal(specimen: &Specimen) -> Vec<SpecimenDeck> {
 A square wall on one of its corners, pressed along its diagonal by steel shoes. Without self-weight.",
     );
     text.push_str(STEEL);
+    text.push_str(FASTENED);
     text.push_str(&wall(
         specimen,
         WallText {

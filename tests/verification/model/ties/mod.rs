@@ -1,0 +1,4 @@
+//! Ties: rods and bars of the model, and of decks.
+
+mod decks;
+mod rods;
