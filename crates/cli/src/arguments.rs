@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use wythe_core::deck::{specimens, templates};
+use wythe_core::deck::{Strategy, specimens, templates};
 
 use results::{
     ANIMATE_HELP, COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, MODES_HELP, PLOT_HELP,
@@ -260,7 +260,19 @@ pub struct ModelArguments {
     /// Replace a key of the model, e.g. steps.1.increments.max=0.02 (repeatable). The path is dotted, arrays count
     /// from 0; the value is TOML or a bare string, checked like the file.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
-    pub overrides: Vec<(String, String)>,
+    overrides: Vec<(String, String)>,
+    /// How much of the walls is modelled; that of the model, or detailed, if not given.
+    #[arg(long, value_name = "STRATEGY", value_parser = PossibleValuesParser::new(Strategy::ALL.map(Strategy::name)))]
+    strategy: Option<String>,
+}
+
+impl ModelArguments {
+    /// Keys that are replaced, and their values.
+    pub fn overrides(&self) -> Vec<(String, String)> {
+        let strategy = self.strategy.iter();
+        let strategy = strategy.map(|name| ("strategy".to_owned(), name.clone()));
+        self.overrides.iter().cloned().chain(strategy).collect()
+    }
 }
 
 /// `wythe run`

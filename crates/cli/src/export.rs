@@ -22,7 +22,7 @@ pub fn export(arguments: &Export) -> Result<(), Failure> {
     if arguments.folder.is_file() {
         return scene(&arguments.folder, arguments);
     }
-    if !arguments.with.overrides.is_empty() {
+    if !arguments.with.overrides().is_empty() {
         return Err(Failure::Model(miette::miette!(
             help = "--set says keys of a model anew: name its TOML file",
             "{} is a folder of results: what was run stands",
@@ -78,7 +78,7 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
             path.display()
         )));
     }
-    let deck = Deck::load(path, &arguments.with.overrides)?;
+    let deck = Deck::load(path, &arguments.with.overrides())?;
     let (model, _) = Model::from_deck(&deck)?;
     let out = match &arguments.out {
         Some(out) => out.clone(),

@@ -50,7 +50,7 @@ pub enum Unsound {
 
 /// Reads a deck and builds its model.
 pub fn read(path: &Path, with: &ModelArguments) -> Result<Sound, Unsound> {
-    let deck = Deck::load(path, &with.overrides).map_err(|error| match error {
+    let deck = Deck::load(path, &with.overrides()).map_err(|error| match error {
         DeckError::Io(error) => Unsound::Unread(error.into()),
         DeckError::Model(error) => Unsound::Wrong(Layer::Form, error),
     })?;

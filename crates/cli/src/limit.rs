@@ -1,6 +1,9 @@
 //! `wythe limit`: limit analysis of rigid units.
 
-use serde_json::json;
+use std::path::Path;
+
+use wythe_core::command::argument;
+use wythe_core::deck::Deck;
 use wythe_core::deck::quantity::Pressure;
 use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};
 use wythe_core::model::Model;
@@ -25,9 +28,34 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     if !arguments.json {
         return print(&text(&model, &found, &settings));
     }
-    let json = serde_json::to_string_pretty(&found)
+    print(&json(&found)?)
+}
+
+/// `wythe run` with `strategy = "limit"`: prints the factor and writes `limit.json` and `mechanism.svg` to the folder.
+pub fn in_folder(deck: &Deck, model: &Model, folder: &Path) -> Result<(), Failure> {
+    let settings = LimitSettings::default();
+    let found = analyse(model, &settings).map_err(|why| failure(&why))?;
+    std::fs::create_dir_all(folder).map_err(|why| unwritten(folder, &why))?;
+    let file = folder.join("limit.json");
+    std::fs::write(&file, json(&found)?).map_err(|why| unwritten(&file, &why))?;
+    let picture = folder.join("mechanism.svg");
+    write_picture(&picture, mechanism(model, &found), &deck.inputs())?;
+    let place = argument(folder);
+    print(&format!(
+        "{}results in {place}\n",
+        text(model, &found, &settings)
+    ))
+}
+
+fn unwritten(path: &Path, why: &std::io::Error) -> Failure {
+    Failure::InputOutput(miette::miette!("{}: {why}", path.display()))
+}
+
+/// The answer as JSON.
+fn json(found: &LimitAnalysis) -> Result<String, Failure> {
+    let json = serde_json::to_string_pretty(found)
         .map_err(|error| Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}"))))?;
-    print(&format!("{json}\n"))
+    Ok(format!("{json}\n"))
 }
 
 fn failure(why: &LimitError) -> Failure {
@@ -52,9 +80,10 @@ fn settings(arguments: &Limit) -> Result<LimitSettings, Failure> {
 
 /// A pressure above 0 [MPa].
 fn pressure(text: &str) -> Result<f64, Failure> {
-    let value = text
-        .parse()
-        .map_or_else(|_| json!(text), |number: f64| json!(number));
+    let value = text.parse().map_or_else(
+        |_| serde_json::json!(text),
+        |number: f64| serde_json::json!(number),
+    );
     let found = serde_json::from_value::<Pressure>(value)
         .ok()
         .map(Pressure::get);

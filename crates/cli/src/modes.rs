@@ -17,7 +17,7 @@ pub fn modes(arguments: &Modes) -> Result<(), Failure> {
     let path = &arguments.path;
     let count = arguments.count.get();
     let (found, out) = if path.is_dir() {
-        if !arguments.with.overrides.is_empty() {
+        if !arguments.with.overrides().is_empty() {
             return Err(Failure::Model(miette::miette!(
                 help = "--set says keys of a model anew: name its TOML file",
                 "{} is a folder of results: what was run stands",
@@ -34,7 +34,7 @@ pub fn modes(arguments: &Modes) -> Result<(), Failure> {
                 path.display()
             )));
         }
-        let deck = Deck::load(path, &arguments.with.overrides)?;
+        let deck = Deck::load(path, &arguments.with.overrides())?;
         let (model, _) = Model::from_deck(&deck)?;
         let out = out_of(arguments, path);
         spare_inputs(&out, [TABLE, SHAPES], &deck.inputs())?;

@@ -15,7 +15,7 @@ use crate::terminal::Terminal;
 pub fn resume(arguments: &Resume) -> Result<(), Failure> {
     let out = &arguments.folder;
     let mut stopped = StoppedRun::open(out)?;
-    let deck = stopped.deck(&arguments.with.overrides)?;
+    let deck = stopped.deck(&arguments.with.overrides())?;
     let (model, warnings) = Model::from_deck(&deck)?;
     if stopped.is_complete(&model)? {
         let told = format!(

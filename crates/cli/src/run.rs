@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wythe_core::command::argument;
+use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
 use wythe_core::results::{RunDirectory, SummaryFile};
 use wythe_core::solve::Recorder;
@@ -17,6 +18,7 @@ use crate::error_estimate;
 use crate::failure::Failure;
 use crate::findings::{self, Sound};
 use crate::interrupt::Interrupt;
+use crate::limit;
 use crate::say::print;
 use crate::terminal::{Terminal, count};
 
@@ -34,6 +36,9 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| arguments.model.with_extension("out"));
+    if deck.strategy == Strategy::Limit {
+        return limit::in_folder(&deck, &model, &out);
+    }
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &warnings, &out);
     let interrupt = Interrupt::listen();

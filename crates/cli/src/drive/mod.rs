@@ -27,7 +27,7 @@ pub fn drive(arguments: &Drive) -> Result<(), Failure> {
 }
 
 fn material(arguments: &DrivePoint) -> Result<(), Failure> {
-    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
+    let deck = Deck::load(&arguments.model, &arguments.with.overrides())?;
     // A point has no size, so tables are taken as given.
     let (law, warnings) = deck.law(&arguments.name, None)?;
     for warning in warnings {
@@ -44,7 +44,7 @@ fn material(arguments: &DrivePoint) -> Result<(), Failure> {
 }
 
 fn interface(arguments: &DrivePoint) -> Result<(), Failure> {
-    let deck = Deck::load(&arguments.model, &arguments.with.overrides)?;
+    let deck = Deck::load(&arguments.model, &arguments.with.overrides())?;
     let law = deck.interface(&arguments.name)?;
     let follow = |rows: &[Row<3>]| point::interface_path(&law, rows, arguments.substeps);
     walk(

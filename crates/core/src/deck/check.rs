@@ -2,7 +2,7 @@
 
 use super::findings;
 use super::masonry::{self, Masonry};
-use super::quantity::Frequency;
+use super::quantity::{Frequency, Quantity};
 use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
 use super::symmetry::{self, Plane};
 use super::{rigid, scatter, tables, wall_defaults};
@@ -190,8 +190,10 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         }
     }
     notes.extend(deck.assumed().iter().map(ToString::to_string));
+    notes.extend(deck.derived.iter().cloned());
     for (name, f) in findings::interfaces(deck, model) {
-        notes.extend(interface_notes(name, f, model));
+        let is_derived = deck.is_generated(&format!("interfaces.{name}"));
+        notes.extend(interface_notes(name, f, model, is_derived));
         notes.extend(scatter_note(deck, name, model));
     }
     for wall in masonry::lay_all(deck).unwrap_or_default() {
@@ -451,16 +453,26 @@ fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> O
     })
 }
 
+/// A value for a note, to four decimals.
+fn decimals(value: f64) -> f64 {
+    (1e4 * value).round() * 1e-4
+}
+
 /// Parameters of an interface, and its stiffnesses in this model.
-fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
+fn interface_notes(name: &str, f: &Interface, model: &Model, is_derived: bool) -> [String; 2] {
     let kind = if let (JointKind::Cap, Some(curve)) = (f.kind, f.cap_curve()) {
         format!(
             "interface {name}: cap law, f_m = {} MPa at a plastic closing of {} mm, half of it at {:.4} mm <=> G_fc = \
-             {:.4} N/mm",
-            curve.strength,
-            curve.peak,
+             {:.4} N/mm, C_ss = {}; f_t = {} MPa, G_I = {} N/mm; c = {} MPa, G_II = {} N/mm",
+            decimals(curve.strength),
+            decimals(curve.peak),
             curve.middle,
-            curve.energy()
+            curve.energy(),
+            decimals(f.cap_weights()[1]),
+            decimals(f.f_t.get()),
+            decimals(f.G_I.map_or(0.0, Quantity::get)),
+            decimals(f.c.get()),
+            decimals(f.G_II.map_or(0.0, Quantity::get)),
         )
     } else if f.is_dry() {
         format!("interface {name}: dry, friction {}", f.mu.get())
@@ -488,7 +500,11 @@ fn interface_notes(name: &str, f: &Interface, model: &Model) -> [String; 2] {
         "interface {name}: k_n / k_s = {} N/mm^3{}",
         pairs.join(", "),
         if f.normal_stiffness.is_some() {
-            " as given"
+            if is_derived {
+                " of unit and mortar"
+            } else {
+                " as given"
+            }
         } else {
             " by the elements that meet"
         }

@@ -93,6 +93,8 @@ head_interface = "joint"
 collar_interface = "joint"
 unit_material = "brick"
 mortar_material = "mortar"
+expanded = true  # units to the middle of their joints
+crack_interface = "brick crack"
 interface = "joint"
 mesh = "coarse"  # or "fine", or [length, height, thickness] such as [5, 2, 2]
 clamped = { bottom_courses = 1, top_courses = 1 }  # or false
@@ -261,7 +263,15 @@ pub(super) const LISTS: [&str; 12] = [
 pub(super) const NAMED: [&str; 2] = ["materials", "interfaces"];
 
 /// Sections that occur once.
-pub(super) const TABLES: [&str; 6] = ["wall", "arch", "element", "contact", "output", "test"];
+pub(super) const TABLES: [&str; 7] = [
+    "wall",
+    "arch",
+    "element",
+    "contact",
+    "output",
+    "test",
+    "simplified",
+];
 
 /// Section of a path: `steps.1` of `steps.1.increments.max`, `wall` of `wall.unit.0`.
 pub(super) fn section_of(path: &str) -> &str {

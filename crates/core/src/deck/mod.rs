@@ -37,6 +37,7 @@ pub mod schema;
 mod sections;
 pub mod source;
 pub mod specimens;
+mod strategy;
 mod symmetry;
 mod tables;
 pub mod templates;
@@ -46,4 +47,4 @@ mod unit;
 mod wall_defaults;
 
 pub use check::{CheckReport, check};
-pub use schema::{Deck, MOST_BYTES};
+pub use schema::{Deck, MOST_BYTES, Strategy};

@@ -2,7 +2,7 @@
 
 use super::imported::{Imported, Part};
 use super::keys;
-use super::masonry::Masonry;
+use super::masonry::{Half, Masonry, Unit};
 use super::schema::{Deck, DeckArch, DeckBlock, Names};
 use crate::element::hexahedron::Face;
 use crate::error::{ErrorKind, ModelError};
@@ -154,10 +154,27 @@ impl NameRegistry {
             let here = self.count..self.count + 1;
             self.count += 1;
             new &= self.bodies.insert(unit.name(&wall.name), here).is_none();
+            if unit.half == Some(Half::Right) {
+                new &= self.add_halves(wall, unit);
+            }
         }
         let sides = Face::ALL.map(|(_, face)| wall.on(face));
         self.sides.insert(wall.name.clone(), sides);
         self.group(&wall.name, first) && new
+    }
+
+    /// Adds the name of a unit for its halves, the last two bodies; returns false if it is taken.
+    fn add_halves(&mut self, wall: &Masonry<'_>, unit: &Unit) -> bool {
+        let [left, right] = [self.count - 2, self.count - 1];
+        let along = wall.wall.axes().0;
+        let sides = Face::ALL.map(|(_, face)| match face.side() {
+            (axis, false) if axis == along => vec![left],
+            (axis, true) if axis == along => vec![right],
+            _ => vec![left, right],
+        });
+        let name = unit.whole_name(&wall.name);
+        self.sides.insert(name.clone(), sides);
+        self.bodies.insert(name, left..right + 1).is_none()
     }
 
     /// Adds the bodies of an import.

@@ -94,7 +94,7 @@ pub(super) fn notes(deck: &Deck) -> Vec<String> {
 }
 
 /// Returns whether a step pushes or tilts a wall out of its plane.
-fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
+pub(super) fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
     let (along, through) = wall.axes();
     let axis = |direction: Option<Direction>| direction.map(|d| d.axis().0);
     step.direction

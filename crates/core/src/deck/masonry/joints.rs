@@ -192,7 +192,9 @@ impl<'a> Joints<'a> {
             return;
         };
         let (axis, _) = face.side();
-        let name = interface_at(wall, axis);
+        let halves = masters.first().is_some_and(|m| wall.are_halves(slave, m.0));
+        let crack = wall.wall.crack_interface.as_deref().filter(|_| halves);
+        let name = crack.unwrap_or_else(|| interface_at(wall, axis));
         let Some(interface) = self.deck.interfaces.get(name) else {
             return; // rejected when the deck was read
         };
@@ -286,7 +288,7 @@ fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
 }
 
 /// Pairs of faces that touch: slave and master.
-fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
+pub(super) fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
     let mut pairs = Vec::new();
     for axis in 0..3 {
         let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);

@@ -26,6 +26,17 @@ pub struct Unit {
     pub material: Option<String>,
     /// Whether it ends in the middle of a joint that a plane of symmetry cuts. `[xyz]`
     pub mirror: [bool; 3],
+    /// Which half of a unit that can crack in its middle; none: the whole unit.
+    pub half: Option<Half>,
+}
+
+/// Half of a unit that can crack in its middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Half {
+    /// The half towards the start of the wall.
+    Left,
+    /// The other one.
+    Right,
 }
 
 /// Kind of a unit of a wall.
@@ -40,6 +51,16 @@ pub enum Kind {
 impl Unit {
     /// Name of the unit in a wall of this name.
     pub fn name(&self, wall: &str) -> String {
+        let whole = self.whole_name(wall);
+        match self.half {
+            None => whole,
+            Some(Half::Left) => format!("{whole}-left"),
+            Some(Half::Right) => format!("{whole}-right"),
+        }
+    }
+
+    /// Name of the unit, or of the unit of which it is a half.
+    pub fn whole_name(&self, wall: &str) -> String {
         match self.kind {
             Kind::Unit(index) => format!("{wall}-{}-{index}", self.course),
             Kind::Lintel(opening) => format!("{wall}-lintel-{opening}"),
@@ -476,6 +497,7 @@ fn unit(
         kind: piece.kind,
         material: piece.material.clone(),
         mirror: [false; 3],
+        half: None,
     }
 }
 

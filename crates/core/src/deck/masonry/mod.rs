@@ -2,6 +2,7 @@
 
 mod clamps;
 mod course;
+mod expand;
 mod joints;
 mod layout;
 mod lines;
@@ -12,7 +13,7 @@ mod symmetry;
 
 pub use course::{CourseRow, Slot, courses};
 pub(super) use layout::levels;
-pub use layout::{Kind, Refusal, Unit};
+pub use layout::{Half, Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};
 pub(super) use joints::joints;
@@ -85,6 +86,7 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
             cut,
         });
     }
+    expand::expand(&mut walls);
     Ok(walls)
 }
 

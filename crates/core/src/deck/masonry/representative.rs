@@ -121,7 +121,7 @@ pub(super) fn unit_elements(wall: &Wall) -> [f64; 3] {
     let m = wall.mesh;
     // The named meshes always count joints; a mesh given by numbers counts them only where they have a thickness.
     let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
-    let joint = |thickness: f64| u32::from(named || thickness > 0.0);
+    let joint = |thickness: f64| u32::from(!wall.expanded && (named || thickness > 0.0));
     // The difference may be 0: such a mesh is rejected, but only after planes of symmetry have used this number.
     let unit = |n: u32, thickness: f64| f64::from(n) - f64::from(joint(thickness));
     [

@@ -25,6 +25,7 @@ mod rows;
 mod sections;
 mod stand_in;
 mod steps;
+mod strategy;
 mod symmetry;
 mod test;
 mod ties;
@@ -51,6 +52,7 @@ pub use registry::SolidKind;
 pub use resumed::DeckChange;
 pub use sections::DeckSection;
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
+pub use strategy::{DeckSimplified, Strategy};
 pub use symmetry::{DeckSymmetry, Keep};
 pub use test::{DeckTest, TestKind};
 pub use ties::{DeckTie, TieBond};
@@ -64,6 +66,7 @@ use super::overrides;
 use super::quantity::Length;
 use super::source::Source;
 use super::wall_defaults;
+use crate::deck::strategy::derive;
 use crate::element::Formulation;
 use crate::error::{DeckError, ErrorKind, Errors, IoError, MOST_ERRORS, ModelError, printable};
 use crate::input;
@@ -92,6 +95,11 @@ pub struct Deck {
     /// Extent of the computation: with reductions, in full, or with elastic solids.
     #[serde(default)]
     pub fidelity: Fidelity,
+    /// Strategy with which walls are modelled.
+    #[serde(default, skip_serializing_if = "Strategy::is_detailed")]
+    pub strategy: Strategy,
+    /// Values of the strategies `simplified` and `rigid` that would otherwise follow from materials and joints.
+    pub simplified: Option<DeckSimplified>,
     /// Materials by name.
     #[serde(default)]
     pub materials: BTreeMap<String, Material>,
@@ -154,6 +162,9 @@ pub struct Deck {
     /// What named materials and joints take from the catalogue.
     #[serde(skip)]
     pub(super) assumed: Vec<Assumption>,
+    /// Values that the strategy derived from the deck, in words.
+    #[serde(skip)]
+    pub(super) derived: Vec<String>,
 }
 
 /// Schema of a table that has a `name` of the catalogue, or all its required keys.
@@ -285,6 +296,7 @@ impl Deck {
                 errors.extend(validate::validate(&deck, &form.broken));
             }
             if errors.is_empty() {
+                derive(&mut deck);
                 wall_defaults::choose(&mut deck);
                 return Ok(deck);
             }

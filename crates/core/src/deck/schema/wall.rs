@@ -65,6 +65,11 @@ pub struct Wall {
     pub unit_material: String,
     /// Material of the joints; absent in a dry wall.
     pub mortar_material: Option<String>,
+    /// Whether units grow to the middle of their joints, so that interfaces without thickness carry the mortar.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub expanded: bool,
+    /// Interface in the middle of expanded units, where they can crack; none: they do not crack.
+    pub crack_interface: Option<String>,
     /// Interface between representative elements.
     pub interface: String,
     /// Interface at head joints, if different.

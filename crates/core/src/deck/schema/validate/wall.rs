@@ -38,7 +38,7 @@ impl Checks<'_> {
         self.rotation(path, wall);
         self.within(&key("head_filling"), wall.head_filling, 0.0..=1.0);
         self.require(
-            !wall.rigid || joints.iter().all(|(_, joint)| joint.is_none_or(|j| j.get() == 0.0)),
+            !wall.rigid || wall.expanded || joints.iter().all(|(_, joint)| joint.is_none_or(|j| j.get() == 0.0)),
             &key("rigid"),
             || "mortar is no part of a rigid unit".to_owned(),
             "rigid units lie dry: bed_joint = 0, head_joint = 0, an interface with the stiffness of the joints",
@@ -117,7 +117,7 @@ impl Checks<'_> {
     fn mesh_of_wall(&mut self, path: &str, wall: &Wall) {
         let m = wall.mesh;
         let named = [Subdivision::COARSE, Subdivision::FINE].contains(&m);
-        let least = |joint: Length| 1 + u32::from(joint.get() > 0.0);
+        let least = |joint: Length| 1 + u32::from(!wall.expanded && joint.get() > 0.0);
         let (length, height) = (least(wall.head_joint), least(wall.bed_joint));
         self.require(
             named || (m.length >= length && m.height >= height && m.thickness >= 1),
@@ -249,11 +249,25 @@ impl Checks<'_> {
             wall.collar_joint,
         ];
         let mortar = joints.into_iter().flatten().any(|joint| joint.get() > 0.0);
-        let lacks_mortar = mortar && wall.mortar_material.is_none();
+        let lacks_mortar = mortar && wall.mortar_material.is_none() && !wall.expanded;
         self.missing(path, "mortar_material", lacks_mortar);
         self.known_interface(&key("interface"), &wall.interface);
         self.known_interface(&key("head_interface"), &wall.head_interface);
         self.known_interface(&key("collar_interface"), &wall.collar_interface);
+        self.known_interface(&key("crack_interface"), &wall.crack_interface);
+        self.require(
+            !(wall.expanded && wall.mortar_material.is_some()),
+            &key("expanded"),
+            || "expanded units leave no room for mortar".to_owned(),
+            "leave out mortar_material: the interface has the stiffness and the strength of the mortar; or \
+             strategy = \"simplified\", which derives both",
+        );
+        self.require(
+            wall.crack_interface.is_none() || wall.expanded,
+            &key("crack_interface"),
+            || "only expanded units are divided in their middle".to_owned(),
+            "expanded = true",
+        );
         for (o, opening) in wall.openings.iter().enumerate() {
             let Some(lintel) = &opening.lintel else {
                 continue;

@@ -1,0 +1,212 @@
+//! Strategies `simplified` and `rigid`: derives the walls of a coarser model from those of a detailed one
+//! (theory/strategies.md).
+//!
+//! Units grow to the middle of their joints and keep their material, or become rigid. Interfaces without thickness take over the
+//! stiffness, strength and energy of mortar and units. The derived deck has explicit values and could be written by hand.
+
+mod joints;
+mod units;
+
+use super::quantity::Quantity;
+use super::schema::{Deck, Interface, Material, Strategy, Subdivision, Wall};
+use super::wall_defaults;
+use joints::{Joint, Layers};
+use units::Solid;
+
+/// Mesh of an expanded unit [length, height, thickness].
+const MESH: Subdivision = Subdivision {
+    length: 2,
+    height: 1,
+    thickness: 1,
+};
+
+/// Parts of a facet along a wall, each with its own contact points: expanded units have large facets, whose Gauss points
+/// would move pivots far inwards.
+const PARTS_ALONG: u32 = 2;
+
+/// Parts of a facet through a wall that is bent out of its plane.
+const PARTS_THROUGH: u32 = 3;
+
+/// Replaces the walls of a deck by those of its strategy. Walls that are rigid or expanded stay.
+pub(super) fn derive(deck: &mut Deck) {
+    if !matches!(deck.strategy, Strategy::Simplified | Strategy::Rigid) {
+        return;
+    }
+    let paths: Vec<String> = deck.walls().map(|(path, ..)| path).collect();
+    let mut parts = [1; 3];
+    for path in paths {
+        let Some(wall) = wall_at(deck, &path)
+            .filter(|w| !w.rigid && !w.expanded)
+            .cloned()
+        else {
+            continue;
+        };
+        let name = wall.name.as_deref().unwrap_or("wall");
+        let (along, through) = wall.axes();
+        parts[along] = parts[along].max(PARTS_ALONG);
+        if deck
+            .steps
+            .iter()
+            .any(|step| wall_defaults::bends(step, name, &wall))
+        {
+            parts[through] = parts[through].max(PARTS_THROUGH);
+        }
+        let derived = Derivation::of(deck, &wall).wall();
+        if let Some(wall) = wall_mut(deck, &path) {
+            *wall = derived;
+        }
+    }
+    if !deck.says("contact.parts") {
+        let given = deck.contact.parts;
+        deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
+    }
+}
+
+fn wall_at<'a>(deck: &'a Deck, path: &str) -> Option<&'a Wall> {
+    match path.strip_prefix("walls.") {
+        Some(i) => deck.walls.get(i.parse::<usize>().ok()?),
+        None => deck.wall.as_ref(),
+    }
+}
+
+fn wall_mut<'a>(deck: &'a mut Deck, path: &str) -> Option<&'a mut Wall> {
+    match path.strip_prefix("walls.") {
+        Some(i) => deck.walls.get_mut(i.parse::<usize>().ok()?),
+        None => deck.wall.as_mut(),
+    }
+}
+
+/// Derivation of one wall.
+struct Derivation<'a> {
+    deck: &'a mut Deck,
+    wall: &'a Wall,
+    unit: Solid,
+    /// The mortar; none in a dry wall.
+    mortar: Option<Solid>,
+}
+
+impl<'a> Derivation<'a> {
+    /// Materials that are unknown were rejected when the deck was read.
+    fn of(deck: &'a mut Deck, wall: &'a Wall) -> Self {
+        let solid = |name: &String| deck.materials.get(name).map(|m| Solid::of(name, m));
+        let unit = solid(&wall.unit_material).unwrap_or_default();
+        let mortar = wall.mortar_material.as_ref().and_then(solid);
+        Self {
+            deck,
+            wall,
+            unit,
+            mortar,
+        }
+    }
+
+    /// The wall with expanded units, whose materials and interfaces are added to the deck.
+    fn wall(mut self) -> Wall {
+        let is_rigid = self.deck.strategy == Strategy::Rigid;
+        let said = self.deck.simplified.clone().unwrap_or_default();
+        let [length, thickness, height] = self.wall.unit.map(Quantity::get);
+        let bed = self.wall.bed_joint.get();
+        let head = self.wall.head_joint.get();
+        let collar = self.wall.collar_joint.map_or(head, Quantity::get);
+        let filled = self.wall.head_filling.get();
+        let interface = &self.wall.interface;
+        let of = |name: &Option<String>| name.clone().unwrap_or_else(|| interface.clone());
+        let (heads, collars) = (
+            of(&self.wall.head_interface),
+            of(&self.wall.collar_interface),
+        );
+        let joints = [
+            (interface.clone(), "bed", [height, bed], 1.0),
+            (heads, "head", [length, head], filled),
+            (collars, "collar", [thickness, collar], 1.0),
+        ];
+        let [bed, head, collar] = joints.map(|(name, place, [unit, joint], filled)| {
+            let layers = Layers {
+                unit,
+                joint,
+                filled,
+            };
+            self.interface(&name, place, layers)
+        });
+        let mut wall = self.wall.clone();
+        wall.expanded = true;
+        wall.mortar_material = None;
+        wall.head_filling = Quantity::new(1.0);
+        wall.head_interface = (head != bed).then_some(head);
+        wall.collar_interface = (collar != bed).then_some(collar);
+        wall.interface = bed;
+        wall.mesh = said.mesh.unwrap_or(MESH);
+        wall.rigid = is_rigid;
+        if !is_rigid && said.unit_cracks.unwrap_or(false) {
+            wall.crack_interface = self.crack();
+            if wall.crack_interface.is_some() {
+                self.make_elastic(&mut wall);
+            }
+        }
+        wall
+    }
+
+    /// Replaces the material of the units by an elastic one.
+    fn make_elastic(&mut self, wall: &mut Wall) {
+        if let Some(of) = self.deck.materials.get(&wall.unit_material) {
+            let elastic = Material::elastic(of.E, of.nu, of.density);
+            let name = format!("{} (elastic)", wall.unit_material);
+            self.deck.materials.insert(name.clone(), elastic);
+            wall.unit_material = name;
+        }
+    }
+
+    /// Adds the interface of a kind of joints to the deck and returns its name.
+    fn interface(&mut self, name: &str, place: &str, layers: Layers) -> String {
+        let Some(of) = self.deck.interfaces.get(name).cloned() else {
+            return name.to_owned(); // rejected when the deck was read
+        };
+        let said = self.deck.simplified.clone().unwrap_or_default();
+        let joint = Joint {
+            of: &of,
+            unit: &self.unit,
+            mortar: self.mortar.as_ref(),
+            layers,
+            said: &said,
+            is_rigid: self.deck.strategy == Strategy::Rigid,
+        };
+        let (derived, notes) = joint.derive();
+        let kind = format!("{name} ({place})");
+        for note in notes {
+            let note = format!("interface {kind}: {note}");
+            if !self.deck.derived.contains(&note) {
+                self.deck.derived.push(note);
+            }
+        }
+        self.add(&kind, derived, &format!("interfaces.{name}"))
+    }
+
+    /// Adds the interface in the middle of units to the deck; none if they cannot crack.
+    fn crack(&mut self) -> Option<String> {
+        let of = self.deck.interfaces.get(&self.wall.interface)?;
+        let derived = self.unit.crack(of)?;
+        let (kind, path) = (
+            format!("{} (crack)", self.wall.unit_material),
+            format!("materials.{}", self.wall.unit_material),
+        );
+        Some(self.add(&kind, derived, &path))
+    }
+
+    /// Adds an interface under this name, or a similar one if it is taken by another. Errors refer to `path`.
+    fn add(&mut self, kind: &str, derived: Interface, path: &str) -> String {
+        let mut name = kind.to_owned();
+        let mut number = 1;
+        while self
+            .deck
+            .interfaces
+            .get(&name)
+            .is_some_and(|known| *known != derived)
+        {
+            number += 1;
+            name = format!("{kind} {number}");
+        }
+        self.deck
+            .stands_for(format!("interfaces.{name}"), path.to_owned());
+        self.deck.interfaces.insert(name.clone(), derived);
+        name
+    }
+}
