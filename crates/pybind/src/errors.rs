@@ -61,6 +61,12 @@ pub fn of_limit(py: Python<'_>, why: &LimitError) -> PyErr {
     raise(py, "LimitError", (why.to_string(), in_python(why.advice())))
 }
 
+/// A run with `strategy = "limit"`, which has no steps.
+pub fn of_strategy(py: Python<'_>) -> PyErr {
+    let message = "strategy = \"limit\" has a factor and no run";
+    raise(py, "LimitError", (message, "call Model.limit()"))
+}
+
 /// Line and column of the error, if the text was written by the user.
 pub fn place(error: &ModelError, text: Text) -> (Option<usize>, Option<usize>) {
     if text == Text::Made || is_override(error) {

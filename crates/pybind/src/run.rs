@@ -14,6 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
+use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
 use wythe_core::results::estimate::{self, Prepared};
 use wythe_core::results::{Resumed, RunDirectory, StoppedRun, SummaryFile};
@@ -106,6 +107,9 @@ pub fn run<'py>(
     on_note: Option<Bound<'py, PyAny>>,
     laws: Option<Laws>,
 ) -> PyResult<()> {
+    if deck.deck().strategy == Strategy::Limit {
+        return Err(errors::of_strategy(py));
+    }
     let built = deck.sound(py)?;
     let Ok((model, warnings)) = &*built else {
         return Err(errors::bug("a sound model is not"));

@@ -18,4 +18,5 @@ mod reading;
 mod scatter;
 mod scenes;
 mod schema;
+mod strategies;
 mod wall;

@@ -2,7 +2,7 @@
 
 use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, Unit};
-use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Subdivision, Wall};
+use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
 use super::{rounding, tables};
 use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
@@ -115,7 +115,21 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     errors.extend(rounding::judge(deck, model));
     warnings.extend(peaks_not_seen(deck));
     warnings.extend(magnitudes(deck));
+    warnings.extend(rigid_strategy(deck));
+    let cautions = deck.cautions.iter();
+    warnings.extend(cautions.map(|(path, message)| deck.warning(path, message.clone())));
     (warnings, errors)
+}
+
+/// A warning that rigid units leave out what may carry a wall.
+fn rigid_strategy(deck: &Deck) -> Option<Warning> {
+    (deck.strategy == Strategy::Rigid && deck.has_walls()).then(|| {
+        deck.warning(
+            "strategy",
+            "rigid units neither crack nor crush nor bend, which changes forces by tens of percent: a first estimate, to be \
+             compared with strategy = \"simplified\"",
+        )
+    })
 }
 
 /// Warnings about steps with `increments.peak` but without peak control.

@@ -7,6 +7,10 @@ use strsim::levenshtein;
 const EXAMPLES: &str = r#"format = 1
 title = "Wall J7D"
 fidelity = "auto"  # or "full", "elastic"
+strategy = "detailed"  # or "simplified", "rigid", "limit"
+[simplified]
+simplified.mesh => mesh = [2, 1, 1]
+unit_cracks = true  # by an interface in the middle of each unit
 [materials.brick]
 materials.kind => kind = "damage-plasticity"  # the default; or "drucker-prager"
 materials.name => name = "clay brick, solid"  # of the catalogue

@@ -1,8 +1,8 @@
 //! Choices for any model: meshes, joints, steps.
 
 use super::scene::{Choice, Group};
-use wythe_core::deck::Deck;
 use wythe_core::deck::schema::{DeckProcedure, Interface, Material, Wall};
+use wythe_core::deck::{Deck, Strategy};
 use wythe_core::material::{CrackBand, MaterialParameters};
 
 /// Keys of the deck and their values.
@@ -119,6 +119,7 @@ pub fn offered(deck: &Deck, last: usize) -> Vec<Choice> {
         .chain(joints(deck))
         .chain(step(deck, last))
         .chain(fidelities(deck))
+        .chain(strategies(deck))
         .chain(threads)
         .collect()
 }
@@ -232,6 +233,16 @@ fn fidelities(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
     names
         .take(1 + usize::from(cracks))
         .map(|name| Choice::new(name, Group::Fidelity, one("fidelity", name)))
+}
+
+/// Coarser strategies of walls whose units are not rigid.
+fn strategies(deck: &Deck) -> impl Iterator<Item = Choice> + use<> {
+    let any = deck.walls().any(|(.., wall)| !wall.rigid && !wall.expanded);
+    let names = [Strategy::Simplified, Strategy::Rigid].map(Strategy::name);
+    names
+        .into_iter()
+        .filter(move |_| any)
+        .map(|name| Choice::new(name, Group::Strategy, one("strategy", name)))
 }
 
 #[cfg(test)]

@@ -138,11 +138,13 @@ pub enum Group {
     Several,
     /// Width of the crack band, on any mesh.
     CrackBand,
+    /// Strategy with which walls are modelled.
+    Strategy,
 }
 
 impl Group {
     /// All groups in the order of the legend.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Default,
         Self::Element,
         Self::Mesh,
@@ -156,6 +158,7 @@ impl Group {
         Self::Threads,
         Self::Several,
         Self::CrackBand,
+        Self::Strategy,
     ];
 
     /// Name of the group in words.
@@ -174,6 +177,7 @@ impl Group {
             Self::Threads => "threads",
             Self::Several => "several",
             Self::CrackBand => "crack band",
+            Self::Strategy => "strategy",
         }
     }
 }

@@ -165,6 +165,9 @@ pub struct Deck {
     /// Values that the strategy derived from the deck, in words.
     #[serde(skip)]
     pub(super) derived: Vec<String>,
+    /// Paths and messages of warnings about these values.
+    #[serde(skip)]
+    pub(super) cautions: Vec<(String, String)>,
 }
 
 /// Schema of a table that has a `name` of the catalogue, or all its required keys.

@@ -56,10 +56,8 @@ pub(super) fn derive(deck: &mut Deck) {
             *wall = derived;
         }
     }
-    if !deck.says("contact.parts") {
-        let given = deck.contact.parts;
-        deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
-    }
+    let given = deck.contact.parts;
+    deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
 }
 
 fn wall_at<'a>(deck: &'a Deck, path: &str) -> Option<&'a Wall> {
@@ -170,6 +168,9 @@ impl<'a> Derivation<'a> {
             is_rigid: self.deck.strategy == Strategy::Rigid,
         };
         let (derived, notes) = joint.derive();
+        let caution = joint.caution(&derived).filter(|_| place == "bed");
+        let cautions = caution.map(|message| (format!("interfaces.{name}"), message));
+        self.deck.cautions.extend(cautions);
         let kind = format!("{name} ({place})");
         for note in notes {
             let note = format!("interface {kind}: {note}");

@@ -99,9 +99,9 @@ impl Solid {
 /// Length of a unit over which it crushes beside a crack [mm].
 const CRUSHED: f64 = 50.0;
 
-/// C_ss with which a cap is reached where friction `t` is and the larger principal stress of σ and τ = t σ is the
-/// compressive strength: (½ + √(¼ + t²))² = 1 + C_ss t². It is less where the residual of the cap must hold the cohesion
-/// (theory/joint-cap.md, Decisions).
+/// C_ss with which the cap, where it meets friction `t`, is reached as the larger principal stress of σ and τ = t σ
+/// reaches the compressive strength: (½ + √(¼ + t²))² = 1 + C_ss t². It is less where the residual of the cap must hold the
+/// cohesion (theory/joint-cap.md, Decisions).
 pub(super) fn weight(c: f64, f_m: f64, t: f64) -> f64 {
     let own = if t > SMALL {
         ((0.5 + (0.25 + t * t).sqrt()).powi(2) - 1.0) / (t * t)

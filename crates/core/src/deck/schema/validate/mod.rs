@@ -9,6 +9,7 @@ mod probes;
 mod references;
 mod sections;
 mod steps;
+mod strategy;
 mod test;
 mod ties;
 mod wall;
@@ -82,6 +83,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.loads();
     checks.ties();
     checks.sections();
+    checks.simplified();
     checks.test();
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);

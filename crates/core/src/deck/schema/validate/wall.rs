@@ -4,7 +4,7 @@ use super::Checks;
 use crate::deck::keys;
 use crate::deck::masonry;
 use crate::deck::quantity::Length;
-use crate::deck::schema::{Bond, Clamped, Clamping, DeckLeaf, Subdivision, Wall};
+use crate::deck::schema::{Bond, Clamped, Clamping, DeckLeaf, Strategy, Subdivision, Wall};
 use crate::model::axis::Axis;
 
 impl Checks<'_> {
@@ -261,6 +261,19 @@ impl Checks<'_> {
             || "expanded units leave no room for mortar".to_owned(),
             "leave out mortar_material: the interface has the stiffness and the strength of the mortar; or \
              strategy = \"simplified\", which derives both",
+        );
+        let fits = match self.deck.strategy {
+            Strategy::Simplified => !wall.rigid,
+            Strategy::Rigid => wall.rigid,
+            Strategy::Detailed | Strategy::Limit => false,
+        };
+        let strategy = self.deck.strategy.name();
+        self.require(
+            !wall.expanded || fits,
+            &key("expanded"),
+            || format!("these units are expanded, which does not go with strategy = \"{strategy}\""),
+            "strategy = \"simplified\", or \"rigid\" with rigid = true; to change the strategy, begin with the deck of \
+             the detailed model",
         );
         self.require(
             wall.crack_interface.is_none() || wall.expanded,

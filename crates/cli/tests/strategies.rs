@@ -1,0 +1,71 @@
+//! `--strategy`: one deck, four ways to model it.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use common::{code, repository, stderr, stdout, wythe};
+
+fn example(name: &str) -> String {
+    repository(&format!("examples/{name}"))
+        .display()
+        .to_string()
+}
+
+#[test]
+fn a_deck_runs_with_each_strategy() {
+    let folder = tempfile::tempdir().unwrap();
+    let wall = example("61_wall_with_opening.toml");
+    for strategy in ["simplified", "rigid"] {
+        let out = folder.path().join(strategy).display().to_string();
+        let shorter = "steps.1.displacement=0.2 mm";
+        let run = wythe(&[
+            "run",
+            &wall,
+            "--strategy",
+            strategy,
+            "--set",
+            shorter,
+            "--out",
+            &out,
+            "--quiet",
+        ]);
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+        // The copy of the deck is that of the strategy, and another one refuses it.
+        let copy = format!("{out}/model.toml");
+        let check = wythe(&["check", &copy]);
+        assert_eq!(code(&check), 0, "{}", stderr(&check));
+        let other = wythe(&["check", &copy, "--strategy", "detailed"]);
+        assert_eq!(code(&other), 2);
+        assert!(
+            stderr(&other).contains("begin with the deck of the"),
+            "{}",
+            stderr(&other)
+        );
+    }
+}
+
+#[test]
+fn a_run_by_limit_writes_factor_and_mechanism() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let wall = example("63_dry_stone_wall.toml");
+    let run = wythe(&["run", &wall, "--strategy", "limit", "--out", &out]);
+    assert_eq!(code(&run), 0, "{}", stderr(&run));
+    assert!(stdout(&run).contains("limit"), "{}", stdout(&run));
+    let json = std::fs::read_to_string(format!("{out}/limit.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(found["force_kN"].as_f64().unwrap() > 0.0);
+    assert!(
+        std::fs::read_to_string(format!("{out}/mechanism.svg"))
+            .unwrap()
+            .contains("<svg")
+    );
+}
+
+#[test]
+fn an_unknown_strategy_names_the_known_ones() {
+    let wall = example("61_wall_with_opening.toml");
+    let check = wythe(&["check", &wall, "--strategy", "coarse"]);
+    assert_eq!(code(&check), 2);
+    assert!(stderr(&check).contains("simplified"), "{}", stderr(&check));
+}
