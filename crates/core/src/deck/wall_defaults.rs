@@ -14,7 +14,7 @@ use super::schema::{Deck, DeckLoad, DeckStep, Direction, Subdivision, Wall};
 const ENOUGH: u32 = 3;
 
 /// Penalty factor of joints with mortar [-]; others have that of the paper (theory/joint.md, eq. 32).
-const PENALTY: f64 = 50.0;
+pub(super) const PENALTY: f64 = 50.0;
 
 /// Walls with mortar, by path.
 fn mortared(deck: &Deck) -> impl Iterator<Item = (String, &str, &Wall)> {

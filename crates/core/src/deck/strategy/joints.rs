@@ -5,6 +5,7 @@ use crate::deck::quantity::{
     FractureEnergy, InterfaceStiffness, Length, Number, Pressure, Quantity,
 };
 use crate::deck::schema::{DeckSimplified, Interface, JointKind};
+use crate::deck::wall_defaults::PENALTY;
 use wythe_contact::CapCurve;
 
 /// Sizes normal to a joint.
@@ -36,7 +37,7 @@ pub(super) struct Joint<'a> {
 const STIFFEST: f64 = 500.0;
 
 /// Part of the compressive strength: mortar that cracks by shear at lower pressures changes the force of walls.
-const WEAK: f64 = 0.15;
+const WEAK: f64 = 0.12;
 
 /// Factor 4.1 of Hilsdorf between the thickness of joint and unit.
 const SPREAD: f64 = 4.1;
@@ -53,6 +54,8 @@ impl Joint<'_> {
         joint.shear_stiffness = shear.map(|k| InterfaceStiffness::new(filled * k));
         if joint.normal_stiffness.is_some() {
             joint.penalty_factor = None;
+        } else if self.mortar.is_some() {
+            joint.penalty_factor.get_or_insert(Number::new(PENALTY));
         }
         let strength = self.compressive_strength();
         match strength {
@@ -142,7 +145,7 @@ impl Joint<'_> {
         (t > 0.0 && pressure < WEAK * f_m).then(|| {
             format!(
                 "above {:.2} MPa the mortar (f_t = {f_t} MPa) cracks by shear before this joint slides, which the strategy \
-                 leaves out: the force of a wall whose top does not rise may be 10 to 40 % too high",
+                 leaves out: as the top does not rise, the force may be 10 to 40 % too high",
                 pressure.max(0.0)
             )
         })

@@ -8,7 +8,9 @@ mod joints;
 mod units;
 
 use super::quantity::Quantity;
-use super::schema::{Deck, Interface, Material, Strategy, Subdivision, Wall};
+use super::schema::{
+    Deck, DeckStep, Interface, Material, StepKind, Strategy, Subdivision, Vertical, Wall,
+};
 use super::wall_defaults;
 use joints::{Joint, Layers};
 use units::Solid;
@@ -72,6 +74,12 @@ fn wall_mut<'a>(deck: &'a mut Deck, path: &str) -> Option<&'a mut Wall> {
         Some(i) => deck.walls.get_mut(i.parse::<usize>().ok()?),
         None => deck.wall.as_mut(),
     }
+}
+
+/// Whether a step drives the level beam without letting it rise, so that the wall is pressed as it is driven.
+fn keeps_top_down(step: &DeckStep) -> bool {
+    let beam = step.face.is_none() && step.spring.is_none() && step.beam.is_none();
+    step.kind == StepKind::Drive && beam && step.vertical != Some(Vertical::Free)
 }
 
 /// Derivation of one wall.
@@ -168,7 +176,10 @@ impl<'a> Derivation<'a> {
             is_rigid: self.deck.strategy == Strategy::Rigid,
         };
         let (derived, notes) = joint.derive();
-        let caution = joint.caution(&derived).filter(|_| place == "bed");
+        let rises_not = self.deck.steps.iter().any(keeps_top_down);
+        let caution = joint
+            .caution(&derived)
+            .filter(|_| place == "bed" && rises_not);
         let cautions = caution.map(|message| (format!("interfaces.{name}"), message));
         self.deck.cautions.extend(cautions);
         let kind = format!("{name} ({place})");
