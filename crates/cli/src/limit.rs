@@ -47,6 +47,7 @@ fn settings(arguments: &Limit) -> Result<LimitSettings, Failure> {
         bonded: arguments.bonded,
         strength,
         along,
+        ..LimitSettings::default()
     })
 }
 

@@ -216,6 +216,7 @@ impl Deck {
             bonded,
             strength,
             along,
+            ..LimitSettings::default()
         };
         let Ok((model, _)) = &*built else {
             return Err(errors::bug("a sound model is none"));

@@ -35,6 +35,9 @@ pub struct LimitAnalysis {
     pub converged: bool,
     /// Number of bodies that can move, of joints, and of their corners.
     pub sizes: [usize; 3],
+    /// Axis of the normal of the plane about which the scene is symmetric, so that half of its forces were unknown;
+    /// `None` if there is none.
+    pub mirror: Option<&'static str>,
     /// Units with their mechanism.
     pub mechanism: Vec<MovedUnit>,
     /// Resultants of the joints.
