@@ -1,5 +1,6 @@
 //! Limit analysis against closed forms, and against linear programs of others.
 
+mod files;
 mod mirror;
 
 use crate::common::blocks::{HEAD, deck_and_model};

@@ -52,6 +52,15 @@ pub struct Program<'a> {
     pub unknowns: &'a Unknowns,
 }
 
+/// What the programs of a scene leave for the next one.
+#[derive(Debug, Default)]
+pub struct Memory {
+    /// Analysis of the equations.
+    known: Option<Analysis>,
+    /// Whether the own method stalled: it would do so again.
+    stalled: bool,
+}
+
 /// Solution of a program.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -77,7 +86,7 @@ fn without_noise(factor: f64) -> f64 {
 }
 
 /// Relative gap and residual of a solution.
-pub const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 /// The same where the solver does not reach it.
 const COARSE: f64 = 1e-6;
 /// Joints of a body above which it is no part of a regular bond.
@@ -112,37 +121,36 @@ fn by_clarabel(program: &Matrix, cost: &[f64], tolerance: f64) -> Result<Answer,
         x: found.x,
         y: found.z,
         bound: found.obj_val_dual,
-        iterations: found.iterations as usize,
     })
 }
 
 impl Program<'_> {
-    /// Solves the program to a tolerance. `known`: analysis of the last program of the scene.
+    /// Solves the program. `memory` is that of the scene.
     ///
     /// # Errors
     /// [`LimitError`]: no state carries the dead loads, no factor is too large, the solver fails.
-    pub fn solve(
-        &self,
-        tolerance: f64,
-        known: &mut Option<Analysis>,
-    ) -> Result<Solution, LimitError> {
+    pub fn solve(&self, memory: &mut Memory) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
         let program = self.matrix(scale);
         let mut cost = vec![0.0; program.matrix.n];
         cost[0] = -1.0;
         let (nodes, places) = self.nodes();
-        let own = interior::solve(&program, &cost, (&nodes, &places), known, tolerance);
-        let own = own.and_then(|answer| match answer.end {
-            End::Stalled if answer.error > COARSE => None,
-            End::Stalled => Some(Answer {
-                end: End::Solved,
-                ..answer
-            }),
-            _ => Some(answer),
-        });
+        let own = if memory.stalled {
+            None
+        } else {
+            interior::solve(
+                &program,
+                &cost,
+                (&nodes, &places),
+                &mut memory.known,
+                TOLERANCE,
+            )
+        };
+        let own = own.filter(|answer| answer.end != End::Stalled || answer.error <= COARSE);
+        memory.stalled = own.is_none();
         let answer = match own {
             Some(answer) => answer,
-            None => by_clarabel(&program, &cost, tolerance)
+            None => by_clarabel(&program, &cost, TOLERANCE)
                 .or_else(|_| by_clarabel(&program, &cost, COARSE))?,
         };
         let live = self.live_scale(scale);

@@ -5,12 +5,11 @@ use std::cell::RefCell;
 use super::actions::Actions;
 use super::bodies::Bodies;
 use super::joints::Joint;
-use super::program::{Program, Solution, TOLERANCE};
+use super::program::{Memory, Program, Solution};
 use super::rods::Rod;
 use super::unknowns::Unknowns;
 use super::yield_surface::YieldSurface;
 use super::{LimitError, LimitSettings, Live};
-use crate::linear::Analysis;
 use crate::model::Model;
 
 /// A scene of rigid units.
@@ -27,8 +26,8 @@ pub struct RigidScene<'a> {
     actions: Actions,
     /// Unknowns of the program.
     pub unknowns: Unknowns,
-    /// Analysis of the equations of the last program.
-    known: RefCell<Option<Analysis>>,
+    /// What its programs leave for the next one.
+    memory: RefCell<Memory>,
 }
 
 impl<'a> RigidScene<'a> {
@@ -58,7 +57,7 @@ impl<'a> RigidScene<'a> {
             rods,
             actions,
             unknowns,
-            known: RefCell::new(None),
+            memory: RefCell::default(),
         })
     }
 
@@ -80,15 +79,13 @@ impl<'a> RigidScene<'a> {
             rods: &self.rods,
             unknowns: &self.unknowns,
         };
-        let mut known = self.known.borrow_mut();
-        program
-            .solve(TOLERANCE, &mut known)
-            .map_err(|why| match why {
-                LimitError::Falls(body) => {
-                    let unit = self.bodies.all.get(body).map_or(0, |body| body.unit);
-                    LimitError::FallsAt(self.model.mesh.called(unit))
-                }
-                other => other,
-            })
+        let mut memory = self.memory.borrow_mut();
+        program.solve(&mut memory).map_err(|why| match why {
+            LimitError::Falls(body) => {
+                let unit = self.bodies.all.get(body).map_or(0, |body| body.unit);
+                LimitError::FallsAt(self.model.mesh.called(unit))
+            }
+            other => other,
+        })
     }
 }

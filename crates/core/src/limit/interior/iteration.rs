@@ -1,12 +1,25 @@
 //! The iteration of the homogeneous embedding.
 
-use super::cones::Cone;
+use super::cones::{Cone, Shape};
 use super::normal::{Normal, Parts};
 
 /// Most iterations.
 const ITERATIONS: usize = 100;
 /// Part of the way to the boundary that a step goes.
 const FRACTION: f64 = 0.99;
+/// Relative residual of a proof that there is no solution.
+const PROOF: f64 = 1e-8;
+/// Most correctors of a step, how much further each one aims, and the least product of s and z over the mean that it
+/// aims at.
+const CORRECTORS: usize = 4;
+const FURTHER: f64 = 0.3;
+const NEAR: f64 = 0.1;
+/// Steps that need no corrector.
+const LONG: f64 = 0.9;
+/// Iterations in which the error must fall to a tenth.
+const PATIENCE: usize = 30;
+/// Objectives below this count as this in the relative gap.
+const SMALL: f64 = 1e-3;
 /// Steps below this lead nowhere.
 const SHORT: f64 = 1e-4;
 
@@ -209,6 +222,41 @@ impl<'a> Iteration<'a> {
         shift
     }
 
+    /// A step with products of s and z nearer to each other at its end, and its length, if it is longer (Gondzio 1996).
+    fn centred(
+        &mut self,
+        residuals: &Residuals,
+        step: &Step,
+        length: f64,
+        centre: f64,
+        fixed: &Parts,
+    ) -> Option<(Step, f64)> {
+        let wanted = (length + FURTHER).min(1.0);
+        // Change of a product that brings it into the range around the centre.
+        let change = |now: f64| {
+            let into = now.clamp(NEAR * centre, centre / NEAR) - now;
+            into.max(-centre / NEAR)
+        };
+        let mut shift = vec![0.0; self.s.len()];
+        for cone in self.cones.iter().filter(|cone| cone.shape == Shape::Ray) {
+            let i = cone.first;
+            let s = self.s[i] + wanted * step.s[i];
+            let z = self.z[i] + wanted * step.parts.z[i];
+            shift[i] = -change(s * z) / self.z[i];
+        }
+        let scalars = (self.tau + wanted * step.tau) * (self.kappa + wanted * step.kappa);
+        let product = -change(scalars);
+        let mut found = self.step(residuals, 1.0, (shift, product), fixed)?;
+        add(&mut found.parts.x, 1.0, &step.parts.x);
+        add(&mut found.parts.y, 1.0, &step.parts.y);
+        add(&mut found.parts.z, 1.0, &step.parts.z);
+        add(&mut found.s, 1.0, &step.s);
+        found.tau += step.tau;
+        found.kappa += step.kappa;
+        let longer = self.length(&found);
+        (longer >= length + 0.1 * FURTHER).then_some((found, longer))
+    }
+
     fn advance(&mut self, step: &Step, length: f64) {
         add(&mut self.x, length, &step.parts.x);
         add(&mut self.y, length, &step.parts.y);
@@ -235,8 +283,19 @@ impl<'a> Iteration<'a> {
         let centre = keep * residuals.mean;
         let shift = self.corrected(&guess, centre);
         let product = product + guess.tau * guess.kappa - centre;
-        let step = self.step(residuals, keep, (shift, product), &fixed)?;
-        let length = FRACTION * self.length(&step);
+        let mut step = self.step(residuals, keep, (shift, product), &fixed)?;
+        let mut length = self.length(&step);
+        for _ in 0..CORRECTORS {
+            if length > LONG {
+                break;
+            }
+            let Some((better, longer)) = self.centred(residuals, &step, length, centre, &fixed)
+            else {
+                break;
+            };
+            (step, length) = (better, longer);
+        }
+        let length = FRACTION * length;
         if !(length >= SHORT) {
             return None;
         }
@@ -251,7 +310,7 @@ impl<'a> Iteration<'a> {
         let primal = primal / size(&self.right.y).max(most(&self.right.z));
         let dual = most(&residuals.parts.x) / self.tau / size(&self.cost);
         let [value, bound] = self.objectives();
-        let gap = (value - bound).abs() / 1.0f64.max(value.abs());
+        let gap = (value - bound).abs() / value.abs().max(SMALL);
         primal.max(dual).max(gap)
     }
 
@@ -262,64 +321,54 @@ impl<'a> Iteration<'a> {
     }
 
     /// Whether the state proves that there is no solution.
-    fn without_solution(&self, tolerance: f64) -> Option<End> {
+    fn without_solution(&self) -> Option<End> {
         let bound = dot(&self.right.y, &self.y) + dot(&self.right.z, &self.z);
         let back = self.normal.multiply_back(&self.y, &self.z, self.cost.len());
-        if bound < 0.0 && most(&back) <= -tolerance * bound {
+        if bound < 0.0 && most(&back) <= -PROOF * bound {
             return Some(End::Infeasible);
         }
         let value = dot(&self.cost, &self.x);
         let mut product = self.normal.multiply(&self.x);
         add(&mut product.z, 1.0, &self.s);
         let miss = most(&product.y).max(most(&product.z));
-        (value < 0.0 && miss <= -tolerance * value).then_some(End::Unbounded)
+        (value < 0.0 && miss <= -PROOF * value).then_some(End::Unbounded)
     }
 
-    /// Iterates to a tolerance, and returns the end, the best error and the number of iterations.
-    pub fn run(&mut self, tolerance: f64) -> (End, f64, usize) {
+    /// Iterates to a tolerance, and returns the end and the error of the best state, which stays.
+    pub fn run(&mut self, tolerance: f64) -> (End, f64) {
         if self.begin().is_none() {
-            return (End::Stalled, f64::INFINITY, 0);
+            return (End::Stalled, f64::INFINITY);
         }
         let mut best = (f64::INFINITY, self.state());
-        for i in 0..ITERATIONS {
+        let mut errors = Vec::with_capacity(ITERATIONS);
+        while errors.len() < ITERATIONS {
             let residuals = self.residuals();
             let error = self.error(&residuals);
-            if std::env::var("WYTHE_LIMIT_TRACE").is_ok() {
-                eprintln!(
-                    "{i} {error:.2e} mean {:.2e} tau {:.2e} kappa {:.2e} {:?}",
-                    residuals.mean,
-                    self.tau,
-                    self.kappa,
-                    self.objectives()
-                );
+            if error <= tolerance {
+                return (End::Solved, error);
             }
             if error < best.0 {
                 best = (error, self.state());
             }
-            if error <= tolerance {
-                return (End::Solved, error, i);
-            }
             // Near a solution κ vanishes, near none τ.
             if self.tau < self.kappa
-                && let Some(end) = self.without_solution(tolerance.max(1e-8))
+                && let Some(end) = self.without_solution()
             {
-                return (end, error, i);
+                return (end, error);
             }
-            if self.iterate(&residuals).is_none() {
+            errors.push(best.0);
+            let earlier = errors.len().checked_sub(PATIENCE).map(|i| errors[i]);
+            let slow = earlier.is_some_and(|earlier| best.0 > 0.1 * earlier);
+            if slow || self.iterate(&residuals).is_none() {
                 break;
             }
         }
-        [self.x, self.y] = best.1.0;
-        [self.tau, self.kappa] = best.1.1;
-        self.z = best.1.2;
-        (End::Stalled, best.0, ITERATIONS)
+        let (error, (x, y, z, tau)) = best;
+        (self.x, self.y, self.z, self.tau) = (x, y, z, tau);
+        (End::Stalled, error)
     }
 
-    fn state(&self) -> ([Vec<f64>; 2], [f64; 2], Vec<f64>) {
-        (
-            [self.x.clone(), self.y.clone()],
-            [self.tau, self.kappa],
-            self.z.clone(),
-        )
+    fn state(&self) -> (Vec<f64>, Vec<f64>, Vec<f64>, f64) {
+        (self.x.clone(), self.y.clone(), self.z.clone(), self.tau)
     }
 }

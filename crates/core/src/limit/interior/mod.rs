@@ -15,5 +15,4 @@ mod normal;
 mod solve;
 
 pub use iteration::End;
-pub use normal::Nodes;
 pub use solve::{Answer, solve};

@@ -9,7 +9,9 @@ use crate::linear::{Analysis, Backend, LinearSolver, Options, Pattern};
 const MOST_FREE: usize = 60;
 /// Addition to the diagonal over its value, which rounding of the blocks asks for.
 const ADDED: f64 = 1e-14;
-/// Refinements of a solution.
+/// Part of the right side below which a residual needs no refinement.
+const ENOUGH: f64 = 1e-11;
+/// Most refinements of a solution.
 const REFINEMENTS: usize = 3;
 
 /// Right side or solution: of the unknowns, of the equations, of the rows of cones.
@@ -166,7 +168,7 @@ impl Normal {
         let mut miss = self.miss(&found, right, cones);
         let mut worst = largest(&miss);
         for _ in 0..REFINEMENTS {
-            if worst <= 1e-14 * largest(right).max(f64::MIN_POSITIVE) {
+            if worst <= ENOUGH * largest(right).max(f64::MIN_POSITIVE) {
                 break;
             }
             let mut better = self.solve_once(&miss, cones)?;

@@ -22,8 +22,6 @@ pub struct Answer {
     pub y: Vec<f64>,
     /// Bound of the objective by the multipliers.
     pub bound: f64,
-    /// Number of iterations.
-    pub iterations: usize,
 }
 
 /// Factors by which a program is scaled.
@@ -81,9 +79,11 @@ impl Scales {
             let most = sizes.fold(0.0, f64::max);
             columns[*k] = if most > 0.0 { 1.0 / most } else { 1.0 };
         }
-        let right = program.right.iter().enumerate();
-        let right = right.map(|(i, b)| rows.get(i).map_or(*b, |r| r * b).abs());
-        let right = right.fold(0.0, f64::max);
+        // Loads set the size of the forces, strengths may be far above them.
+        let loads = program.right.iter().zip(&rows).map(|(b, r)| (b * r).abs());
+        let loads = loads.fold(0.0, f64::max);
+        let strengths = || program.right.iter().fold(0.0, |most, b| b.abs().max(most));
+        let right = if loads > 0.0 { loads } else { strengths() };
         let costs = cost.iter().zip(&columns).map(|(c, k)| (c * k).abs());
         let most = costs.fold(0.0, f64::max);
         Self {
@@ -136,7 +136,7 @@ pub fn solve(
         z,
     };
     let mut iteration = Iteration::new(&mut normal, cones, costs, right);
-    let (end, error, iterations) = iteration.run(tolerance);
+    let (end, error) = iteration.run(tolerance);
     let [_, bound] = iteration.objectives();
     // A proof that there is no solution has no size.
     let size = if matches!(end, End::Solved | End::Stalled) {
@@ -152,7 +152,6 @@ pub fn solve(
         x: x.map(|(x, k)| scales.right * k * x / size).collect(),
         y: y.map(|(y, r)| r * y / (scales.cost * size)).collect(),
         bound: bound * scales.right / scales.cost,
-        iterations,
     };
     *known = normal.analysis().cloned();
     Some(answer)
