@@ -74,3 +74,19 @@ fn walls_arches_and_piers_have_the_same_factors() {
     let tied = read("examples/93_arch_with_a_tie.toml");
     agree(&tied, along(0), "y");
 }
+
+/// The plane of a block that is pushed along y is across x, and a bond with headers side by side has none.
+#[test]
+fn planes_have_any_normal_or_are_none() {
+    let block = super::block([200.0, 100.0, 800.0]);
+    agree(&block, along(1), "x");
+    agree(&block, along(0), "y");
+    let english = read("examples/60_english_bond_wall.toml");
+    let bonded = LimitSettings {
+        bonded: true,
+        strength: Some(5.0),
+        ..LimitSettings::default()
+    };
+    let [half, whole] = pair(&english, associated(bonded));
+    assert_eq!((half.mirror, half.factor), (None, whole.factor));
+}

@@ -70,7 +70,7 @@ impl Bounds {
 /// The program A x + s = b with s in cones, of which the first ones are the equations.
 pub struct Matrix {
     /// A.
-    pub matrix: CscMatrix<f64>,
+    pub entries: CscMatrix<f64>,
     /// b.
     pub right: Vec<f64>,
     /// Cones.
@@ -116,7 +116,7 @@ impl Program<'_> {
             entries.values,
         );
         Matrix {
-            matrix,
+            entries: matrix,
             right,
             cones,
         }

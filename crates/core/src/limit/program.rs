@@ -102,10 +102,10 @@ fn by_clarabel(program: &Matrix, cost: &[f64], tolerance: f64) -> Result<Answer,
         .tol_feas(tolerance)
         .build()
         .map_err(|why| LimitError::Solver(why.to_string()))?;
-    let columns = program.matrix.n;
+    let columns = program.entries.n;
     let quadratic = CscMatrix::zeros((columns, columns));
     let (right, cones) = (&program.right, &program.cones);
-    let solver = DefaultSolver::new(&quadratic, cost, &program.matrix, right, cones, settings);
+    let solver = DefaultSolver::new(&quadratic, cost, &program.entries, right, cones, settings);
     let mut solver = solver.map_err(|why| LimitError::Solver(why.to_string()))?;
     solver.solve();
     let found = solver.solution;
@@ -132,7 +132,7 @@ impl Program<'_> {
     pub fn solve(&self, memory: &mut Memory) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
         let program = self.matrix(scale);
-        let mut cost = vec![0.0; program.matrix.n];
+        let mut cost = vec![0.0; program.entries.n];
         cost[0] = -1.0;
         let (nodes, places) = self.nodes();
         let own = if memory.stalled {

@@ -159,7 +159,9 @@ impl<'a> Iteration<'a> {
         let mut right = residuals.parts.clone();
         let solved = 1.0 - keep;
         for v in [&mut right.x, &mut right.y, &mut right.z] {
-            v.iter_mut().for_each(|r| *r *= -solved);
+            for r in v.iter_mut() {
+                *r *= -solved;
+            }
         }
         add(&mut right.z, 1.0, &shift);
         let mut parts = self.normal.solve(&right, &self.cones)?;
@@ -296,7 +298,7 @@ impl<'a> Iteration<'a> {
             (step, length) = (better, longer);
         }
         let length = FRACTION * length;
-        if !(length >= SHORT) {
+        if length.is_nan() || length < SHORT {
             return None;
         }
         self.advance(&step, length);

@@ -16,3 +16,6 @@ mod solve;
 
 pub use iteration::End;
 pub use solve::{Answer, solve};
+
+#[cfg(test)]
+mod tests;

@@ -181,8 +181,7 @@ impl Normal {
             }
             let next = self.miss(&better, right, cones);
             let size = largest(&next);
-            // NaN is not smaller.
-            if !(size < worst) {
+            if size.is_nan() || size >= worst {
                 break;
             }
             let stalls = size > 0.5 * worst;
@@ -196,9 +195,9 @@ impl Normal {
 
     fn solve_once(&mut self, right: &Parts, cones: &[Cone]) -> Option<Parts> {
         let mut z = right.z.clone();
-        cones
-            .iter()
-            .for_each(|cone| cone.unapply(cone.of_mut(&mut z)));
+        for cone in cones {
+            cone.unapply(cone.of_mut(&mut z));
+        }
         let mut x = vec![0.0; right.x.len()];
         let mut y: Vec<f64> = right.y.iter().map(|r| -r).collect();
         let mut own = Vec::new();
@@ -238,7 +237,9 @@ impl Normal {
             block.columns.iter().zip(&p).for_each(|(k, p)| x[*k] = *p);
             // z = W⁻¹ (B x − W⁻¹ r_z)
             gather(block, &z, &mut own);
-            own.iter_mut().for_each(|v| *v = -*v);
+            for v in &mut own {
+                *v = -*v;
+            }
             for (p, column) in p.iter().zip(block.scaled.chunks_exact(block.rows.len())) {
                 own.iter_mut().zip(column).for_each(|(v, a)| *v += a * p);
             }
@@ -310,7 +311,9 @@ impl Normal {
             }
         }
         for (entries, k) in self.free_entries.iter().zip(&self.free) {
-            entries.iter().for_each(|(row, a)| y[*row] += a * x[*k]);
+            for (row, a) in entries {
+                y[*row] += a * x[*k];
+            }
         }
         Parts {
             x: Vec::new(),

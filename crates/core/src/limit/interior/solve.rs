@@ -60,7 +60,7 @@ fn cones_of(program: &Matrix) -> Option<(usize, Vec<Cone>, Vec<usize>)> {
 
 impl Scales {
     fn of(program: &Matrix, cost: &[f64], blocks: &[Block], free: &[usize]) -> Self {
-        let matrix = &program.matrix;
+        let matrix = &program.entries;
         let equations = blocks.iter().flat_map(|block| {
             let own = block.own.chunks_exact(block.equations.len().max(1));
             own.flat_map(|column| block.equations.iter().copied().zip(column.iter().copied()))
@@ -105,7 +105,7 @@ pub fn solve(
     tolerance: f64,
 ) -> Option<Answer> {
     let (equations, cones, of_row) = cones_of(program)?;
-    let matrix = &program.matrix;
+    let matrix = &program.entries;
     let (mut blocks, free) = split(matrix, equations, &of_row, &cones);
     let scales = Scales::of(program, cost, &blocks, &free);
     for block in &mut blocks {
