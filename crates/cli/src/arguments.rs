@@ -441,6 +441,9 @@ pub struct Limit {
     /// Draw the mechanism and the forces, as SVG or PNG by the file's extension.
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
+    /// Folder for figures, mechanism and forces as JSON, VTKHDF and SVG; without, nothing is written.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     pub json: bool,

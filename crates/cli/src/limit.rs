@@ -5,9 +5,11 @@ use std::path::Path;
 use wythe_core::command::argument;
 use wythe_core::deck::Deck;
 use wythe_core::deck::quantity::Pressure;
-use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};
+use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings};
 use wythe_core::model::Model;
-use wythe_core::results::plotting::mechanism;
+use wythe_core::results::FoundLimit;
+use wythe_core::results::limit::FILES;
+use wythe_core::results::output::spare_inputs;
 
 use crate::arguments::Limit;
 use crate::failure::Failure;
@@ -21,12 +23,22 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     let settings = settings(arguments)?;
     let found = findings::read(path, &arguments.with);
     let Sound { deck, model, .. } = found.map_err(|unsound| unsound.tell(path))?;
-    let found = analyse(&model, &settings).map_err(|why| failure(&why))?;
-    if let Some(file) = &arguments.picture {
-        write_picture(file, mechanism(&model, &found), &deck.inputs())?;
+    if let Some(out) = &arguments.out {
+        spare_inputs(out, FILES, &deck.inputs())?;
     }
+    let limit = FoundLimit::of(model, &settings).map_err(|why| failure(&why))?;
+    if let Some(file) = &arguments.picture {
+        write_picture(file, limit.picture(), &deck.inputs())?;
+    }
+    let written = match &arguments.out {
+        Some(out) => limit.write(out)?,
+        None => Vec::new(),
+    };
+    let FoundLimit { model, found } = limit;
     if !arguments.json {
-        return print(&text(&model, &found, &settings));
+        let files = written.iter().map(|path| format!("{}\n", path.display()));
+        let files: String = files.collect();
+        return print(&(text(&model, &found, &settings) + &files));
     }
     print(&json(&found)?)
 }
@@ -75,6 +87,7 @@ fn settings(arguments: &Limit) -> Result<LimitSettings, Failure> {
         bonded: arguments.bonded,
         strength,
         along,
+        ..LimitSettings::default()
     })
 }
 
@@ -152,6 +165,12 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
         "sizes",
         format!("{bodies} bodies that can move, {joints} joints, {corners} corners"),
     );
+    if let Some(axis) = found.mirror {
+        line(
+            "symmetry",
+            format!("about a plane across {axis}: half of the forces are unknown"),
+        );
+    }
     let moving = found.mechanism.iter().filter(|unit| {
         let speed = unit.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
         speed > 1e-2

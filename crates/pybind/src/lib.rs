@@ -15,6 +15,7 @@ mod errors;
 mod fields;
 mod folder;
 mod laws;
+mod limit;
 mod model;
 mod modes;
 mod point;
@@ -36,6 +37,8 @@ mod _wythe {
     };
     #[pymodule_export]
     use crate::laws::{check_joint_law, check_solid_law, drive_joint_law, drive_solid_law};
+    #[pymodule_export]
+    use crate::limit::LimitOfModel;
     #[pymodule_export]
     use crate::model::Deck;
     #[pymodule_export]

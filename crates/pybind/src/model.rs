@@ -7,15 +7,16 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use wythe_core::deck::{self, Deck as CoreDeck};
 use wythe_core::error::{DeckError, ModelError, Warning};
-use wythe_core::limit::{LimitSettings, analyse};
+use wythe_core::limit::LimitSettings;
 use wythe_core::model::Model;
-use wythe_core::results::FoundModes;
 use wythe_core::results::checkpoint::CheckpointFile;
 use wythe_core::results::export::inp;
 use wythe_core::results::output::{CHECKPOINT, DECK};
-use wythe_core::results::plotting::{mechanism, scene};
+use wythe_core::results::plotting::scene;
+use wythe_core::results::{FoundLimit, FoundModes};
 
 use crate::errors::{self, Text};
+use crate::limit::LimitOfModel;
 use crate::modes::FoundShapes;
 
 /// Title of a model without one.
@@ -200,7 +201,7 @@ impl Deck {
         })
     }
 
-    /// Limit analysis: the result as JSON, and its picture.
+    /// Limit analysis.
     #[pyo3(signature = (associated, bonded, strength, along))]
     fn limit(
         &self,
@@ -209,25 +210,20 @@ impl Deck {
         bonded: bool,
         strength: Option<f64>,
         along: Option<[f64; 3]>,
-    ) -> PyResult<(String, String)> {
+    ) -> PyResult<LimitOfModel> {
         let built = self.sound(py)?;
         let settings = LimitSettings {
             associated,
             bonded,
             strength,
             along,
+            ..LimitSettings::default()
         };
         let Ok((model, _)) = &*built else {
             return Err(errors::bug("a sound model is none"));
         };
-        let found =
-            py.detach(|| analyse(model, &settings).map(|found| (mechanism(model, &found), found)));
-        let (svg, found) = found.map_err(|why| errors::of_limit(py, &why))?;
-        let text = serde_json::to_string(&found);
-        Ok((
-            text.map_err(|error| errors::bug(&format!("limit analysis as JSON: {error}")))?,
-            svg,
-        ))
+        let found = py.detach(|| FoundLimit::of(model.clone(), &settings));
+        LimitOfModel::of(py, found)
     }
 
     /// The lowest modes at rest.

@@ -64,6 +64,21 @@ def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
     assert crushed == pytest.approx(0.25 * (1.0 - 2e-9 * 9810.0 * 800.0 / 0.05), rel=1e-6)
 
 
+def test_files_have_the_mechanism_and_the_forces(tmp_path: Path) -> None:
+    found = wythe.Model.from_toml(SCENE).limit(along="x")
+    names = ["limit.json", "mechanism.vtkhdf", "joints.vtkhdf", "corners.vtkhdf", "mechanism.svg"]
+    assert found.write(tmp_path / "limit") == [str(tmp_path / "limit" / name) for name in names]
+    assert all((tmp_path / "limit" / name).is_file() for name in names)
+    speed = (found.velocities**2).sum(axis=1) ** 0.5
+    # The fastest node has a speed of 1, to rounding.
+    assert speed.max() == pytest.approx(1.0, rel=1e-12)
+    assert found.mirror == "y"
+    [joint] = found.joints
+    for axis in range(3):
+        forces = sum(force[axis] for force in joint["corner_forces_N"])
+        assert forces == pytest.approx(joint["force_N"][axis], abs=1e-9 * joint["normal_N"])
+
+
 def test_what_has_no_factor_says_why() -> None:
     model = wythe.Model.from_toml(SCENE)
     with pytest.raises(wythe.LimitError, match="no step drives") as caught:

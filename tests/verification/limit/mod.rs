@@ -1,5 +1,8 @@
 //! Limit analysis against closed forms, and against linear programs of others.
 
+mod files;
+mod mirror;
+
 use crate::common::blocks::{HEAD, deck_and_model};
 use wythe::deck::Deck;
 use wythe::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};

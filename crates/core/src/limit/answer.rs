@@ -35,6 +35,9 @@ pub struct LimitAnalysis {
     pub converged: bool,
     /// Number of bodies that can move, of joints, and of their corners.
     pub sizes: [usize; 3],
+    /// Axis of the normal of the plane about which the scene is symmetric, so that half of its forces were unknown;
+    /// `None` if there is none.
+    pub mirror: Option<&'static str>,
     /// Units with their mechanism.
     pub mechanism: Vec<MovedUnit>,
     /// Resultants of the joints.
@@ -75,6 +78,9 @@ pub struct JointForce {
     pub sliding: f64,
     /// Corners of the joint [mm].
     pub corners_mm: Vec<[f64; 3]>,
+    /// Forces at the corners, of the second body on the first one [N]. `[corner][xyz]`
+    #[serde(rename = "corner_forces_N")]
+    pub corner_forces: Vec<[f64; 3]>,
 }
 
 /// Force of a tie.
@@ -135,8 +141,11 @@ impl RigidScene<'_> {
             let count = joint.corners.len();
             let mut force = Vector3::zeros();
             let (mut normal, mut at, mut strength) = (0.0, Vector3::zeros(), 0.0);
+            let mut own = Vec::with_capacity(count);
             for (corner, [n, a, b]) in corners.by_ref().take(count) {
-                force += -joint.frame[0] * *n + joint.frame[1] * *a + joint.frame[2] * *b;
+                let part = -joint.frame[0] * *n + joint.frame[1] * *a + joint.frame[2] * *b;
+                force += part;
+                own.push(part.into());
                 normal += n;
                 at += *n * corner.at;
                 strength += joint.strength.friction * n
@@ -155,6 +164,7 @@ impl RigidScene<'_> {
                     0.0
                 },
                 corners_mm: joint.corners.iter().map(|x| (*x).into()).collect(),
+                corner_forces: own,
             }
         };
         self.joints.iter().map(resultant).collect()

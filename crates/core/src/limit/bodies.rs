@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 use super::LimitError;
+use super::joints::Joint;
 use crate::model::Model;
 use crate::model::scene::{Beam, BeamMotion, HeldBy, Step};
 
@@ -227,6 +228,12 @@ impl Bodies {
                 }
             }
         }
+    }
+
+    /// Whether a body of a joint can move.
+    pub fn can_move(&self, joint: &Joint) -> bool {
+        let mut bodies = joint.bodies.iter();
+        bodies.any(|body| !self.all[*body].motions.is_empty())
     }
 
     /// Wrenches of a force of 1 along a direction that acts equally on nodes.

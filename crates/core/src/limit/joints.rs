@@ -52,20 +52,22 @@ impl Joint {
         sum / self.corners.len() as f64
     }
 
-    /// Distances of the corners from the middle of the joint towards each of four edges, over half of its depth there:
-    /// 1 at the edge. The edges are those of a rectangle along the first side of the polygon. `[edge][corner]`
-    pub fn arms(&self) -> [Vec<f64>; 4] {
+    /// Directions towards four edges: those of a rectangle along the first side of the polygon.
+    pub fn edges(&self) -> [Vector3<f64>; 4] {
         let side = self.corners[1] - self.corners[0];
         let first = side.try_normalize(0.0).unwrap_or(self.frame[1]);
-        let towards = |along: Vector3<f64>| -> Vec<f64> {
-            let places: Vec<f64> = self.corners.iter().map(|x| x.dot(&along)).collect();
-            let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-            places.iter().map(|place| (place - middle) / half).collect()
-        };
         let second = self.frame[0].cross(&first);
-        [first, -first, second, -second].map(towards)
+        [first, -first, second, -second]
+    }
+
+    /// Distances of the corners from the middle of the joint towards an edge, over half of its depth there: 1 at the
+    /// edge. `[corner]`
+    pub fn arms(&self, edge: &Vector3<f64>) -> Vec<f64> {
+        let places: Vec<f64> = self.corners.iter().map(|x| x.dot(edge)).collect();
+        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        places.iter().map(|place| (place - middle) / half).collect()
     }
 
     /// All joints of a model at rest. `bonded`: with tensile strength and cohesion; otherwise the joints are dry, with

@@ -7,10 +7,14 @@
 mod actions;
 mod answer;
 mod bodies;
+mod interior;
 mod joints;
+mod matrix;
+mod mirror;
 mod program;
 mod rods;
 mod scene;
+mod unknowns;
 mod yield_surface;
 
 pub use actions::Live;
@@ -35,6 +39,9 @@ pub struct LimitSettings {
     pub strength: Option<f64>,
     /// Direction of a body force over the weight that is the live load; that of the steps if none.
     pub along: Option<[f64; 3]>,
+    /// Whether the program has the forces at all corners even where the scene is its own mirror image. The factor is
+    /// the same.
+    pub whole: bool,
 }
 
 /// Reason why there is no factor.
@@ -132,6 +139,7 @@ pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis,
         programs: search.programs,
         converged: search.converged,
         sizes: scene.sizes(&surface),
+        mirror: scene.unknowns.axis.map(|axis| ["x", "y", "z"][axis]),
         mechanism: scene.mechanism(best),
         joints: scene.joint_forces(&surface, best),
         ties: scene.tie_forces(best),

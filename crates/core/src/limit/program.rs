@@ -7,16 +7,17 @@
 //! ```
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::SupportedConeT::{NonnegativeConeT, SecondOrderConeT, ZeroConeT};
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus};
 use nalgebra::Vector3;
 
 use super::LimitError;
-use super::bodies::{Bodies, Wrench};
+use super::bodies::{Bodies, RigidBody, Wrench};
+use super::interior::{self, Answer, End};
 use super::joints::Joint;
+use super::matrix::Matrix;
 use super::rods::Rod;
+use super::unknowns::Unknowns;
+use crate::linear::Analysis;
 
 /// A corner of a joint, at which a force acts.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,17 @@ pub struct Program<'a> {
     pub strength: Option<f64>,
     /// Segments of ties.
     pub rods: &'a [Rod],
+    /// Motions and forces that are unknown.
+    pub unknowns: &'a Unknowns,
+}
+
+/// What the programs of a scene leave for the next one.
+#[derive(Debug, Default)]
+pub struct Memory {
+    /// Analysis of the equations.
+    known: Option<Analysis>,
+    /// Whether the own method stalled: it would do so again.
+    stalled: bool,
 }
 
 /// Solution of a program.
@@ -64,43 +76,6 @@ pub struct Solution {
     pub mechanism: Vec<[Vector3<f64>; 2]>,
 }
 
-/// Matrix entries as they are found.
-#[derive(Default)]
-struct Triplets {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Triplets {
-    fn add(&mut self, row: usize, column: usize, value: f64) {
-        if value != 0.0 {
-            self.rows.push(row);
-            self.columns.push(column);
-            self.values.push(value);
-        }
-    }
-}
-
-/// Adds the cone N² ≤ f_c A (N − 2 Σ n_v s_v/h): the block of stress f_c that carries N ends at an edge, h is the depth
-/// of the joint towards this edge, and `arms` are the columns of the n_v and 2 s_v/h. With a tensile strength N is
-/// N + f_t A, and f_c is f_c + f_t: stresses count from −f_t. `most` is (f_c + f_t) A, `tension` f_t A.
-fn add_crushing(
-    [most, tension]: [f64; 2],
-    arms: &[(usize, f64)],
-    entries: &mut Triplets,
-    right: &mut Vec<f64>,
-) {
-    let row = right.len();
-    for (column, arm) in arms {
-        let left = 1.0 - arm;
-        entries.add(row, *column, -left);
-        entries.add(row + 1, *column, -2.0);
-        entries.add(row + 2, *column, left);
-    }
-    right.extend([most + tension, 2.0 * tension, most - tension]);
-}
-
 /// Factor below which the gap is relative to this one instead.
 const SMALL: f64 = 1e-3;
 /// Factors below this, with live loads as large as the dead ones, are zero.
@@ -110,66 +85,149 @@ fn without_noise(factor: f64) -> f64 {
     if factor.abs() < NOISE { 0.0 } else { factor }
 }
 
-/// Relative gap and residual of the solution.
+/// Relative gap and residual of a solution.
 const TOLERANCE: f64 = 1e-9;
 /// The same where the solver does not reach it.
 const COARSE: f64 = 1e-6;
+/// Joints of a body above which it is no part of a regular bond.
+const MANY: usize = 30;
+
+/// Solves a program by clarabel.
+fn by_clarabel(program: &Matrix, cost: &[f64], tolerance: f64) -> Result<Answer, LimitError> {
+    let settings = DefaultSettingsBuilder::default()
+        .verbose(false)
+        .max_iter(200)
+        .tol_gap_abs(tolerance)
+        .tol_gap_rel(tolerance)
+        .tol_feas(tolerance)
+        .build()
+        .map_err(|why| LimitError::Solver(why.to_string()))?;
+    let columns = program.entries.n;
+    let quadratic = CscMatrix::zeros((columns, columns));
+    let (right, cones) = (&program.right, &program.cones);
+    let solver = DefaultSolver::new(&quadratic, cost, &program.entries, right, cones, settings);
+    let mut solver = solver.map_err(|why| LimitError::Solver(why.to_string()))?;
+    solver.solve();
+    let found = solver.solution;
+    let end = match found.status {
+        SolverStatus::Solved | SolverStatus::AlmostSolved => End::Solved,
+        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => End::Infeasible,
+        SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => End::Unbounded,
+        other => return Err(LimitError::Solver(format!("{other:?}"))),
+    };
+    Ok(Answer {
+        end,
+        error: tolerance,
+        x: found.x,
+        y: found.z,
+        bound: found.obj_val_dual,
+    })
+}
 
 impl Program<'_> {
-    /// Solves the program.
+    /// Solves the program. `memory` is that of the scene.
     ///
     /// # Errors
     /// [`LimitError`]: no state carries the dead loads, no factor is too large, the solver fails.
-    pub fn solve(&self) -> Result<Solution, LimitError> {
-        let strict = self.solve_to(TOLERANCE);
-        match strict {
-            Err(LimitError::Solver(_)) => self.solve_to(COARSE),
-            found => found,
-        }
-    }
-
-    fn solve_to(&self, tolerance: f64) -> Result<Solution, LimitError> {
+    pub fn solve(&self, memory: &mut Memory) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
-        let (matrix, right, cones) = self.matrix(scale);
-        let columns = matrix.n;
-        let mut cost = vec![0.0; columns];
+        let program = self.matrix(scale);
+        let mut cost = vec![0.0; program.entries.n];
         cost[0] = -1.0;
-        let settings = DefaultSettingsBuilder::default()
-            .verbose(false)
-            .max_iter(200)
-            .tol_gap_abs(tolerance)
-            .tol_gap_rel(tolerance)
-            .tol_feas(tolerance)
-            .build()
-            .map_err(|why| LimitError::Solver(why.to_string()))?;
-        let quadratic = CscMatrix::zeros((columns, columns));
-        let mut solver = DefaultSolver::new(&quadratic, &cost, &matrix, &right, &cones, settings)
-            .map_err(|why| LimitError::Solver(why.to_string()))?;
-        solver.solve();
-        let found = &solver.solution;
+        let (nodes, places) = self.nodes();
+        let own = if memory.stalled {
+            None
+        } else {
+            interior::solve(
+                &program,
+                &cost,
+                (&nodes, &places),
+                &mut memory.known,
+                TOLERANCE,
+            )
+        };
+        let own = own.filter(|answer| answer.end != End::Stalled || answer.error <= COARSE);
+        memory.stalled = own.is_none();
+        let answer = match own {
+            Some(answer) => answer,
+            None => by_clarabel(&program, &cost, TOLERANCE)
+                .or_else(|_| by_clarabel(&program, &cost, COARSE))?,
+        };
         let live = self.live_scale(scale);
-        match found.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {}
-            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
-                let mechanism = self.mechanism(&found.z, 1.0);
+        match answer.end {
+            End::Infeasible => {
+                let mechanism = self.mechanism(&answer.y, 1.0);
                 return Err(LimitError::Falls(self.fastest(&mechanism)));
             }
-            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => {
-                return Err(LimitError::Unbounded);
-            }
-            other => return Err(LimitError::Solver(format!("{other:?}"))),
+            End::Unbounded => return Err(LimitError::Unbounded),
+            End::Solved | End::Stalled => {}
         }
-        let of_corner = |v: usize| [0, 1, 2].map(|i| scale * found.x[1 + 3 * v + i]);
+        let factor = answer.x[0];
         Ok(Solution {
-            factor: without_noise(found.x[0]) * live,
-            gap: (found.x[0] + found.obj_val_dual).abs() / found.x[0].abs().max(SMALL),
-            forces: (0..self.corners.len()).map(of_corner).collect(),
-            rods: (self.first_rod()..)
-                .take(self.rods.len())
-                .map(|column| scale * found.x[column])
-                .collect(),
-            mechanism: self.mechanism(&found.z, 1.0 / live),
+            factor: without_noise(factor) * live,
+            gap: (factor + answer.bound).abs() / factor.abs().max(SMALL),
+            forces: self.forces(&answer.x, scale),
+            rods: self.rod_forces(&answer.x, scale),
+            mechanism: self.mechanism(&answer.y, 1.0 / live),
         })
+    }
+
+    /// Body of each equation, and the places of the bodies. A body with many joints has none, so that it is eliminated
+    /// last.
+    fn nodes(&self) -> (Vec<u32>, Vec<[f64; 3]>) {
+        let mut joints = vec![0; self.bodies.all.len()];
+        for body in self.joints.iter().flat_map(|joint| joint.bodies) {
+            joints[body] += 1;
+        }
+        let bodies = self.unknowns.motions.iter().enumerate();
+        let nodes = bodies.flat_map(|(b, motions)| motions.iter().map(move |_| b as u32));
+        let place = |(body, joints): (&RigidBody, &usize)| {
+            if *joints > MANY {
+                [f64::NAN; 3]
+            } else {
+                body.centre.into()
+            }
+        };
+        let places = self.bodies.all.iter().zip(&joints).map(place);
+        (nodes.collect(), places.collect())
+    }
+
+    /// Forces at all corners from the unknowns.
+    fn forces(&self, x: &[f64], scale: f64) -> Vec<[f64; 3]> {
+        let width = self.unknowns.width();
+        let mut forces = vec![[0.0; 3]; self.corners.len()];
+        for (o, (v, image)) in self.unknowns.corners.iter().enumerate() {
+            let joint = &self.joints[self.corners[*v].joint];
+            let directions = self.unknowns.directions(joint);
+            let own = &x[1 + width * o..][..width];
+            let shear: Vector3<f64> = directions[1..]
+                .iter()
+                .zip(&own[1..])
+                .map(|(d, t)| d * *t)
+                .sum();
+            let [_, first, second] = joint.frame;
+            let force = [own[0], shear.dot(&first), shear.dot(&second)].map(|f| scale * f);
+            for corner in [Some(*v), *image].into_iter().flatten() {
+                forces[corner] = force;
+            }
+        }
+        forces
+    }
+
+    /// Forces of all rods from the unknowns.
+    fn rod_forces(&self, x: &[f64], scale: f64) -> Vec<f64> {
+        let mut forces = vec![0.0; self.rods.len()];
+        for ((r, image), force) in self
+            .unknowns
+            .rods
+            .iter()
+            .zip(&x[self.unknowns.first_rod()..])
+        {
+            for rod in [Some(*r), *image].into_iter().flatten() {
+                forces[rod] = scale * force;
+            }
+        }
+        forces
     }
 
     /// Size of the forces: the sum of the dead loads, or the largest force that a bond or a joint without crushing
@@ -194,157 +252,21 @@ impl Program<'_> {
     }
 
     /// Factor of the live loads for the unknown λ of 1: that which makes them as large as the dead ones.
-    fn live_scale(&self, scale: f64) -> f64 {
-        let powers = self.bodies.all.iter().zip(self.loads[1]);
-        let powers = powers.flat_map(|(body, wrench)| {
-            body.motions.iter().map(|motion| motion.power(wrench).abs())
-        });
+    pub(super) fn live_scale(&self, scale: f64) -> f64 {
+        let powers = self.unknowns.motions.iter().zip(self.loads[1]);
+        let powers = powers
+            .flat_map(|(motions, wrench)| motions.iter().map(|motion| motion.power(wrench).abs()));
         let sum = powers.sum::<f64>();
         if sum > 0.0 { scale / sum } else { 1.0 }
     }
 
-    /// Matrix, right side and cones in the form A x + s = b. Unknowns: λ, forces at the corners, reactions. Forces are
-    /// multiples of `scale`.
-    fn matrix(&self, scale: f64) -> (CscMatrix<f64>, Vec<f64>, Vec<SupportedConeT<f64>>) {
-        let first = self.first_rows();
-        let equations = first[self.bodies.all.len()];
-        let mut entries = Triplets::default();
-        let mut right = vec![0.0; equations];
-        let live = self.live_scale(scale) / scale;
-        let act = |entries: &mut Triplets, body: usize, column: usize, wrench: &Wrench| {
-            for (m, motion) in self.bodies.all[body].motions.iter().enumerate() {
-                entries.add(first[body] + m, column, motion.power(wrench));
-            }
-        };
-        for (b, body) in self.bodies.all.iter().enumerate() {
-            for (m, motion) in body.motions.iter().enumerate() {
-                right[first[b] + m] = -motion.power(&self.loads[0][b]) / scale;
-                entries.add(first[b] + m, 0, live * motion.power(&self.loads[1][b]));
-            }
-        }
-        for (v, corner) in self.corners.iter().enumerate() {
-            let joint = &self.joints[corner.joint];
-            let [normal, first, second] = joint.frame;
-            // Compression pushes the first body back against the normal.
-            for (i, along) in [-normal, first, second].into_iter().enumerate() {
-                for (body, sign) in joint.bodies.into_iter().zip([1.0, -1.0]) {
-                    let arm = corner.at - self.bodies.all[body].centre;
-                    let wrench = Wrench::at(arm, sign * along);
-                    act(&mut entries, body, 1 + 3 * v + i, &wrench);
-                }
-            }
-        }
-        let ends = self.rods.iter().map(|rod| &rod.ends[..]);
-        let single = self.bodies.reactions.iter().map(|reaction| &reaction[..]);
-        for (column, wrenches) in (self.first_rod()..).zip(ends.chain(single)) {
-            for (body, wrench) in wrenches {
-                act(&mut entries, *body, column, wrench);
-            }
-        }
-        let columns = self.first_rod() + self.rods.len() + self.bodies.reactions.len();
-        let mut cones = vec![ZeroConeT(equations)];
-        self.add_rods(scale, &mut entries, &mut right, &mut cones);
-        self.add_strengths(scale, &mut entries, &mut right, &mut cones);
-        let size = (right.len(), columns);
-        let Triplets {
-            rows,
-            columns,
-            values,
-        } = entries;
-        let matrix = CscMatrix::new_from_triplets(size.0, size.1, rows, columns, values);
-        (matrix, right, cones)
-    }
-
-    /// Column of the first rod; those of reactions follow.
-    fn first_rod(&self) -> usize {
-        1 + 3 * self.corners.len()
-    }
-
-    /// Adds the bounds of the rods.
-    fn add_rods(
-        &self,
-        scale: f64,
-        entries: &mut Triplets,
-        right: &mut Vec<f64>,
-        cones: &mut Vec<SupportedConeT<f64>>,
-    ) {
-        let before = right.len();
-        for (column, rod) in (self.first_rod()..).zip(self.rods) {
-            if rod.most.is_finite() {
-                entries.add(right.len(), column, 1.0);
-                right.push(rod.most / scale);
-            }
-            let least = if rod.compression { -rod.most } else { 0.0 };
-            if least.is_finite() {
-                entries.add(right.len(), column, -1.0);
-                right.push(-least / scale);
-            }
-        }
-        if right.len() > before {
-            cones.push(NonnegativeConeT(right.len() - before));
-        }
-    }
-
-    /// Adds the cones of the corners.
-    fn add_strengths(
-        &self,
-        scale: f64,
-        entries: &mut Triplets,
-        right: &mut Vec<f64>,
-        cones: &mut Vec<SupportedConeT<f64>>,
-    ) {
-        for (v, corner) in self.corners.iter().enumerate() {
-            let column = 1 + 3 * v;
-            let row = right.len();
-            entries.add(row, column, -corner.friction);
-            entries.add(row + 1, column + 1, -1.0);
-            entries.add(row + 2, column + 2, -1.0);
-            right.extend([corner.cohesion / scale, 0.0, 0.0]);
-            cones.push(SecondOrderConeT(3));
-        }
-        let row = right.len();
-        for (v, corner) in self.corners.iter().enumerate() {
-            entries.add(row + v, 1 + 3 * v, -1.0);
-            right.push(corner.tension / scale);
-        }
-        cones.push(NonnegativeConeT(self.corners.len()));
-        let Some(strength) = self.strength else {
-            return;
-        };
-        let mut first = 0;
-        for joint in self.joints {
-            let own = first..first + joint.corners.len();
-            first = own.end;
-            let tension = joint.strength.tension * joint.area / scale;
-            let most = strength * joint.area / scale + tension;
-            for arms in joint.arms() {
-                let arms = own.clone().map(|v| 1 + 3 * v).zip(arms);
-                let arms: Vec<(usize, f64)> = arms.collect();
-                add_crushing([most, tension], &arms, entries, right);
-                cones.push(SecondOrderConeT(3));
-            }
-        }
-    }
-
-    /// First equation of each body, and their number. `[body + 1]`
-    fn first_rows(&self) -> Vec<usize> {
-        let mut first = Vec::with_capacity(self.bodies.all.len() + 1);
-        let mut next = 0;
-        for body in &self.bodies.all {
-            first.push(next);
-            next += body.motions.len();
-        }
-        first.push(next);
-        first
-    }
-
     /// Velocities and spins from the multipliers of the equations.
     fn mechanism(&self, multipliers: &[f64], scale: f64) -> Vec<[Vector3<f64>; 2]> {
-        let first = self.first_rows();
-        let bodies = self.bodies.all.iter().enumerate();
-        let moved = bodies.map(|(b, body)| {
+        let first = self.unknowns.first_rows();
+        let bodies = self.unknowns.motions.iter().enumerate();
+        let moved = bodies.map(|(b, motions)| {
             let mut moved = [Vector3::zeros(); 2];
-            for (m, motion) in body.motions.iter().enumerate() {
+            for (m, motion) in motions.iter().enumerate() {
                 let rate = scale * multipliers[first[b] + m];
                 moved[0] += rate * motion.velocity;
                 moved[1] += rate * motion.spin;

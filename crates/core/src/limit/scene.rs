@@ -1,10 +1,13 @@
 //! Rigid bodies of a model with their joints, ties and actions.
 
+use std::cell::RefCell;
+
 use super::actions::Actions;
 use super::bodies::Bodies;
 use super::joints::Joint;
-use super::program::{Program, Solution};
+use super::program::{Memory, Program, Solution};
 use super::rods::Rod;
+use super::unknowns::Unknowns;
 use super::yield_surface::YieldSurface;
 use super::{LimitError, LimitSettings, Live};
 use crate::model::Model;
@@ -21,6 +24,10 @@ pub struct RigidScene<'a> {
     pub rods: Vec<Rod>,
     /// Dead and live actions.
     actions: Actions,
+    /// Unknowns of the program.
+    pub unknowns: Unknowns,
+    /// What its programs leave for the next one.
+    memory: RefCell<Memory>,
 }
 
 impl<'a> RigidScene<'a> {
@@ -36,12 +43,21 @@ impl<'a> RigidScene<'a> {
         let mut bodies = Bodies::of(model, &model.steps[live.0])?;
         let mut actions = Actions::of(model, &bodies, live, settings.along)?;
         bodies.reactions.append(&mut actions.springs);
+        let joints = Joint::all(model, &bodies, settings.bonded);
+        let rods = Rod::all(model, &bodies);
+        let crushed = settings.strength.is_some();
+        let reduced = (!settings.whole)
+            .then(|| Unknowns::symmetric(&bodies, &joints, &rods, &actions, crushed));
+        let unknowns = reduced.flatten();
+        let unknowns = unknowns.unwrap_or_else(|| Unknowns::all(&bodies, &joints, &rods));
         Ok(Self {
-            joints: Joint::all(model, &bodies, settings.bonded),
-            rods: Rod::all(model, &bodies),
             model,
             bodies,
+            joints,
+            rods,
             actions,
+            unknowns,
+            memory: RefCell::default(),
         })
     }
 
@@ -61,8 +77,10 @@ impl<'a> RigidScene<'a> {
             loads: [&self.actions.dead, &self.actions.live],
             strength: settings.strength,
             rods: &self.rods,
+            unknowns: &self.unknowns,
         };
-        program.solve().map_err(|why| match why {
+        let mut memory = self.memory.borrow_mut();
+        program.solve(&mut memory).map_err(|why| match why {
             LimitError::Falls(body) => {
                 let unit = self.bodies.all.get(body).map_or(0, |body| body.unit);
                 LimitError::FallsAt(self.model.mesh.called(unit))

@@ -36,6 +36,8 @@ pub mod estimate;
 pub mod evaluation;
 pub mod export;
 pub mod history;
+#[cfg(feature = "run-folder")]
+pub mod limit;
 #[cfg(any(feature = "mcap", feature = "run-folder"))]
 mod lock;
 #[cfg(feature = "mcap")]
@@ -78,6 +80,8 @@ pub use curve::{Curve, StepOfCurve};
 #[cfg(feature = "run-folder")]
 pub use directory::RunDirectory;
 pub use history::HistoryWriter;
+#[cfg(feature = "run-folder")]
+pub use limit::FoundLimit;
 #[cfg(feature = "mcap")]
 pub use mcap::McapWriter;
 #[cfg(feature = "run-folder")]

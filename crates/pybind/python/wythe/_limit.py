@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from wythe import _wythe
-from wythe._errors import expected
+from wythe._errors import as_path, expected
+from wythe._frames import Floats
 from wythe._picture import Picture
 
 __all__ = ["LimitAnalysis", "limit_of"]
@@ -39,9 +41,11 @@ class LimitAnalysis:
         point moves by 1.
     joints : list of dict
         Resultant in each joint: ``bodies``, ``at_mm`` where the normal force acts, ``force_N``, ``normal_N``,
-        ``sliding``: the used part of the shear strength.
+        ``sliding``: the used part of the shear strength; ``corners_mm`` and ``corner_forces_N``.
     ties : list of dict
         Largest force in each tie: ``name``, ``force_N``.
+    mirror : str or None
+        Axis across the plane about which the scene is symmetric, so that half of its forces were unknown.
     """
 
     factor: float
@@ -54,8 +58,20 @@ class LimitAnalysis:
     mechanism: list[dict[str, Any]] = field(repr=False)
     joints: list[dict[str, Any]] = field(repr=False)
     ties: list[dict[str, Any]] = field(repr=False)
+    mirror: str | None
     picture: Picture = field(repr=False)
     """The mechanism and the forces."""
+    _found: _wythe.LimitOfModel = field(repr=False, compare=False)
+
+    @property
+    def velocities(self) -> Floats:
+        """Velocities of the nodes in the mechanism, the fastest at 1. Shape (nodes, 3)."""
+        return self._found.velocities()
+
+    def write(self, out: str | os.PathLike[str]) -> list[str]:
+        """Writes ``limit.json``, ``mechanism.vtkhdf``, ``joints.vtkhdf``, ``corners.vtkhdf`` and ``mechanism.svg`` into
+        a folder and returns the files."""
+        return [str(path) for path in self._found.write(as_path("out", out))]
 
 
 def limit_of(
@@ -69,8 +85,8 @@ def limit_of(
     way = None if along is None else _direction(along)
     if strength is not None and not strength > 0.0:
         raise expected("strength", "a pressure above 0 [MPa]", strength)
-    text, svg = deck.limit(associated, bonded, strength, way)
-    found: dict[str, Any] = json.loads(text)
+    limit = deck.limit(associated, bonded, strength, way)
+    found: dict[str, Any] = json.loads(limit.table())
     return LimitAnalysis(
         factor=found["factor"],
         force=found["force_kN"],
@@ -82,7 +98,9 @@ def limit_of(
         mechanism=found["mechanism"],
         joints=found["joints"],
         ties=found["ties"],
-        picture=Picture(svg),
+        mirror=found["mirror"],
+        picture=Picture(limit.picture()),
+        _found=limit,
     )
 
 

@@ -32,6 +32,7 @@ mod quads;
 pub mod read;
 mod series;
 mod sidecar;
+pub mod still;
 mod work;
 
 use std::io;
@@ -49,6 +50,7 @@ pub use sidecar::path_of as sidecar_of;
 /// VTK numbers of cell types.
 const HEXAHEDRON: u8 = 12;
 const QUAD: u8 = 9;
+const VERTEX: u8 = 1;
 
 /// Group of the interfaces in the file.
 pub const INTERFACES: &str = "interfaces";

@@ -267,7 +267,7 @@ fn present<T>(solids: &[T; SOLIDS.len()], moves: bool) -> &[T] {
 }
 
 /// Labels of the elements, with the names used in [`Mesh`].
-fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
+pub(super) fn labels(mesh: &Mesh) -> [(&'static str, Vec<i64>); 3] {
     [
         (
             "material",

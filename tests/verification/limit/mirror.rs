@@ -1,0 +1,92 @@
+//! Scenes that are their own mirror images: programs with half of the forces against those with all.
+
+use super::{along, associated, near, read};
+use wythe::limit::{LimitAnalysis, LimitSettings, analyse};
+use wythe::model::Model;
+
+/// Accuracy of both factors: the tolerance of the programs, much above rounding.
+const EXACT: f64 = 1e-6;
+
+/// Solutions of both programs.
+fn pair(model: &Model, settings: LimitSettings) -> [LimitAnalysis; 2] {
+    [false, true].map(|whole| {
+        let settings = LimitSettings { whole, ..settings };
+        let found = analyse(model, &settings).unwrap();
+        assert!(found.gap < EXACT, "{}", found.gap);
+        found
+    })
+}
+
+/// Sum of the joints' forces on all units, and the largest one.
+fn agree(model: &Model, settings: LimitSettings, axis: &str) {
+    let [half, whole] = pair(model, associated(settings));
+    assert_eq!((half.mirror, whole.mirror), (Some(axis), None));
+    near(half.factor, whole.factor, EXACT);
+    assert_eq!(half.joints.len(), whole.joints.len());
+    let across = ["x", "y", "z"]
+        .iter()
+        .position(|name| *name == axis)
+        .unwrap();
+    for joint in &half.joints {
+        // Resultants of symmetric states: in the plane, and in the middle of the joint, to rounding.
+        let middle = joint.corners_mm.iter().map(|x| x[across]).sum::<f64>();
+        let middle = middle / joint.corners_mm.len() as f64;
+        let size = joint.force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        assert!(joint.force[across].abs() <= 1e-12 * size, "{joint:?}");
+        assert!((joint.at_mm[across] - middle).abs() < 1e-6, "{joint:?}");
+    }
+    for unit in &half.mechanism {
+        assert_eq!(unit.velocity[across], 0.0);
+        let turns = (0..3).all(|i| i == across || unit.spin[i] == 0.0);
+        assert!(turns, "{unit:?}");
+    }
+    // The search ends close to the associated factor, from forces that are not unique.
+    let [half, whole] = pair(model, settings);
+    assert_eq!(half.converged, whole.converged);
+    // Two changes of 1e-4 or less end the search; forces that are not unique add to this.
+    near(half.factor, whole.factor, 1e-2);
+}
+
+#[test]
+fn walls_arches_and_piers_have_the_same_factors() {
+    let wall = read("docs/validation/06-dry-blocks/wall-06-half.toml");
+    agree(&wall, along(0), "y");
+    let arch = read("docs/validation/05-arches/sideways-27-15.toml");
+    agree(&arch, LimitSettings::default(), "y");
+    agree(&arch, along(0), "y");
+    let pier = read("examples/66_rocking_pier.toml");
+    agree(&pier, LimitSettings::default(), "y");
+    let crushed = LimitSettings {
+        strength: Some(2.0),
+        ..LimitSettings::default()
+    };
+    agree(&pier, crushed, "y");
+    let driven = read("examples/63_dry_stone_wall.toml");
+    agree(&driven, LimitSettings::default(), "y");
+    agree(&driven, crushed, "y");
+    let window = read("examples/61_wall_with_opening.toml");
+    let bonded = LimitSettings {
+        bonded: true,
+        strength: Some(5.0),
+        ..LimitSettings::default()
+    };
+    agree(&window, bonded, "y");
+    let tied = read("examples/93_arch_with_a_tie.toml");
+    agree(&tied, along(0), "y");
+}
+
+/// The plane of a block that is pushed along y is across x, and a bond with headers side by side has none.
+#[test]
+fn planes_have_any_normal_or_are_none() {
+    let block = super::block([200.0, 100.0, 800.0]);
+    agree(&block, along(1), "x");
+    agree(&block, along(0), "y");
+    let english = read("examples/60_english_bond_wall.toml");
+    let bonded = LimitSettings {
+        bonded: true,
+        strength: Some(5.0),
+        ..LimitSettings::default()
+    };
+    let [half, whole] = pair(&english, associated(bonded));
+    assert_eq!((half.mirror, half.factor), (None, whole.factor));
+}
