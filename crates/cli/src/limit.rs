@@ -43,24 +43,14 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     print(&json(&found)?)
 }
 
-/// `wythe run` with `strategy = "limit"`: prints the factor and writes `limit.json` and `mechanism.svg` to the folder.
-pub fn in_folder(deck: &Deck, model: &Model, folder: &Path) -> Result<(), Failure> {
+/// `wythe run` with `strategy = "limit"`: prints the factor and writes the files of a limit analysis to the folder.
+pub fn in_folder(deck: &Deck, model: Model, folder: &Path) -> Result<(), Failure> {
     let settings = LimitSettings::default();
-    let found = analyse(model, &settings).map_err(|why| failure(&why))?;
-    std::fs::create_dir_all(folder).map_err(|why| unwritten(folder, &why))?;
-    let file = folder.join("limit.json");
-    std::fs::write(&file, json(&found)?).map_err(|why| unwritten(&file, &why))?;
-    let picture = folder.join("mechanism.svg");
-    write_picture(&picture, mechanism(model, &found), &deck.inputs())?;
-    let place = argument(folder);
-    print(&format!(
-        "{}results in {place}\n",
-        text(model, &found, &settings)
-    ))
-}
-
-fn unwritten(path: &Path, why: &std::io::Error) -> Failure {
-    Failure::InputOutput(miette::miette!("{}: {why}", path.display()))
+    spare_inputs(folder, FILES, &deck.inputs())?;
+    let limit = FoundLimit::of(model, &settings).map_err(|why| failure(&why))?;
+    limit.write(folder)?;
+    let text = text(&limit.model, &limit.found, &settings);
+    print(&format!("{text}results in {}\n", argument(folder)))
 }
 
 /// The answer as JSON.

@@ -37,7 +37,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| arguments.model.with_extension("out"));
     if deck.strategy == Strategy::Limit {
-        return limit::in_folder(&deck, &model, &out);
+        return limit::in_folder(&deck, model, &out);
     }
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &warnings, &out);
