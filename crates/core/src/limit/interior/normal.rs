@@ -7,8 +7,8 @@ use crate::linear::{Analysis, Backend, LinearSolver, Options, Pattern};
 
 /// Largest number of unknowns without bounds.
 const MOST_FREE: usize = 60;
-/// Addition to the diagonal over its value, which rounding of the blocks asks for.
-const ADDED: f64 = 1e-14;
+/// Additions to the diagonal over its value, the first one that gives factors. Refinement removes their effect.
+const ADDED: [f64; 4] = [1e-14, 1e-12, 1e-10, 1e-8];
 /// Part of the right side below which a residual needs no refinement.
 const ENOUGH: f64 = 1e-11;
 /// Most refinements of a solution.
@@ -36,6 +36,8 @@ pub struct Normal {
     free_entries: Vec<Vec<(usize, f64)>>,
     solver: LinearSolver,
     values: Vec<f64>,
+    /// Entries of the diagonal. `[equation]`
+    diagonal: Vec<usize>,
     /// Entry of the matrix for each pair of equations of a block. `[block]`
     places: Vec<Vec<u32>>,
     /// S⁻¹ times the coefficients of the free columns. `[free column][equation]`
@@ -79,6 +81,11 @@ impl Normal {
             }
             places.push(own);
         }
+        let diagonal = (0..equations).filter_map(|j| {
+            let column = &rows[starts[j]..starts[j + 1]];
+            Some(starts[j] + column.binary_search(&(j as u32)).ok()?)
+        });
+        let diagonal = diagonal.collect();
         let options = Options {
             // Solutions are refined with the whole system, so that accuracy is decided there.
             refinements: 0,
@@ -89,6 +96,7 @@ impl Normal {
         let (free, free_entries): (Vec<usize>, Vec<_>) = free_entries.into_iter().unzip();
         Some(Self {
             values: vec![0.0; rows.len()],
+            diagonal,
             through: vec![0.0; free.len() * equations],
             free_inverse: nalgebra::DMatrix::zeros(free.len(), free.len()),
             blocks,
@@ -125,14 +133,15 @@ impl Normal {
                 }
             }
         }
-        let pattern = self.solver.pattern();
-        for j in 0..self.equations {
-            let column = &pattern.row_idx()[pattern.col_ptr()[j]..pattern.col_ptr()[j + 1]];
-            if let Ok(i) = column.binary_search(&(j as u32)) {
-                self.values[pattern.col_ptr()[j] + i] *= 1.0 + ADDED;
+        // A mechanism that is almost free makes the matrix almost singular.
+        let mut before = 1.0;
+        ADDED.into_iter().any(|added| {
+            for at in &self.diagonal {
+                self.values[*at] *= (1.0 + added) / before;
             }
-        }
-        self.solver.factorise(&self.values).is_ok() && self.reduce()
+            before = 1.0 + added;
+            self.solver.factorise(&self.values).is_ok() && self.reduce()
+        })
     }
 
     /// Schur complement of the free columns.
