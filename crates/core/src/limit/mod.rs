@@ -115,7 +115,11 @@ pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis,
     let Some(live_step) = model.steps.get(step) else {
         return Err(LimitError::NothingLive);
     };
-    let scene = RigidScene::of(model, (step, live), settings)?;
+    let scene = if settings.associated {
+        RigidScene::of(model, (step, live), settings)?
+    } else {
+        RigidScene::by_clarabel(model, (step, live), settings)?
+    };
     let mut surface = YieldSurface::new(&scene.joints);
     let first = scene.solve(&surface, settings)?;
     let associated_factor = first.factor;

@@ -57,8 +57,8 @@ pub struct Program<'a> {
 pub struct Memory {
     /// Analysis of the equations.
     known: Option<Analysis>,
-    /// Whether the own method stalled: it would do so again.
-    stalled: bool,
+    /// Whether clarabel solves the programs: the own method stalled, and would do so again.
+    pub stalled: bool,
 }
 
 /// Solution of a program.

@@ -61,6 +61,25 @@ impl<'a> RigidScene<'a> {
         })
     }
 
+    /// The same scene with its whole programs, solved by clarabel: of the many solutions of an almost level yield surface
+    /// it finds those from which the search without dilatancy settles.
+    ///
+    /// # Errors
+    /// As [`RigidScene::of`].
+    pub fn by_clarabel(
+        model: &'a Model,
+        live: (usize, Live),
+        settings: &LimitSettings,
+    ) -> Result<Self, LimitError> {
+        let whole = LimitSettings {
+            whole: true,
+            ..*settings
+        };
+        let scene = Self::of(model, live, &whole)?;
+        scene.memory.borrow_mut().stalled = true;
+        Ok(scene)
+    }
+
     /// Largest factor with a yield surface.
     ///
     /// # Errors
