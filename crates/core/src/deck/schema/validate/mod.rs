@@ -88,18 +88,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     for (i, step) in deck.steps.iter().enumerate() {
         checks.step(&format!("steps.{i}"), step);
     }
-    checks.require(
-        deck.output.every > 0,
-        "output.every",
-        || "a frame every 0 increments means nothing".to_owned(),
-        "1 writes every increment",
-    );
-    checks.require(
-        deck.output.scene_every > 0,
-        "output.scene_every",
-        || "a scene every 0 frames means nothing".to_owned(),
-        "1 shows every frame; mcap = false writes no run.mcap at all",
-    );
+    checks.output();
     checks.positive("contact.search_radius", deck.contact.search_radius);
     checks.demand(
         deck.contact
@@ -132,6 +121,21 @@ pub(in crate::deck) fn imported_material(
 }
 
 impl Checks<'_> {
+    fn output(&mut self) {
+        self.require(
+            self.deck.output.every > 0,
+            "output.every",
+            || "a frame every 0 increments means nothing".to_owned(),
+            "1 writes every increment",
+        );
+        self.require(
+            self.deck.output.scene_every > 0,
+            "output.scene_every",
+            || "a scene every 0 frames means nothing".to_owned(),
+            "1 shows every frame; mcap = false writes no run.mcap at all",
+        );
+    }
+
     /// Adds an error unless `ok`: a condition between the key at `path` and others of its section.
     fn require(&mut self, ok: bool, path: &str, message: impl FnOnce() -> String, help: &str) {
         if !self.broken.section(path) {
