@@ -65,7 +65,7 @@ def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
 
 
 def test_files_have_the_mechanism_and_the_forces(tmp_path: Path) -> None:
-    found = wythe.Model.from_toml(SCENE).limit(along="x")
+    found = wythe.Model.from_toml(SCENE).limit(along="x", associated=True)
     names = ["limit.json", "mechanism.vtkhdf", "joints.vtkhdf", "corners.vtkhdf", "mechanism.svg"]
     assert found.write(tmp_path / "limit") == [str(tmp_path / "limit" / name) for name in names]
     assert all((tmp_path / "limit" / name).is_file() for name in names)
