@@ -8,7 +8,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Union, cast
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,8 @@ import numpy.typing as npt
 from wythe import _wythe
 from wythe._drawing import Face, Kind, View, factor_of, plot_columns, plot_curve, seen_from
 from wythe._errors import OutputError, as_path, expected, need, unwritten, write_text
-from wythe._frames import Floats, Frame, History, Interfaces
+from wythe._figures import RunFigures
+from wythe._frames import Floats, Frame, Interfaces
 from wythe._grids import as_meshio, as_pyvista
 from wythe._modes import Modes, as_count
 from wythe._picture import Picture
@@ -34,25 +35,9 @@ __all__ = ["Results"]
 
 #: A frame: its number from 0 (from the end if negative), ``"peak"`` or ``"last"``.
 FrameNumber = Union[int, "np.integer[Any]", Literal["peak", "last"]]
-#: Status of a run; ``"unfinished"`` without a summary.
-Status = Literal[
-    "completed", "collapsed", "not_converged", "interrupted", "stopped", "unfinished"
-]
-#: Verdict on a run in one word.
-VerdictKind = Literal[
-    "peak_passed",
-    "still_rising",
-    "plateau",
-    "stands",
-    "moves",
-    "collapsed",
-    "not_converged",
-    "interrupted",
-    "stopped",
-]
 
 
-class Results:
+class Results(RunFigures):
     """Results in the folder of a run that has ended, is in progress or was killed. Large data are read on request.
 
     Parameters
@@ -66,164 +51,12 @@ class Results:
         The folder is not that of a run.
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        name = as_path("path", path)
-        if os.path.isfile(name):
-            name = os.path.dirname(name) or "."
-        self._path = name
-        self._temporary: Temporary | None = None
-        # Raises an error at once if there is no history.
-        self._history()
-
     @classmethod
     def _of(cls, path: str, temporary: Temporary | None) -> Results:
         results = cls.__new__(cls)
         results._path = path
         results._temporary = temporary
         return results
-
-    @property
-    def path(self) -> str:
-        """The folder. The temporary folder of a run without ``out`` is removed together with this object."""
-        return self._path
-
-    @property
-    def is_temporary(self) -> bool:
-        """Whether the folder is removed together with this object."""
-        return self._temporary is not None
-
-    def _history(self) -> History:
-        columns, probes = _wythe.history(self._path)
-        columns["procedure"] = np.array(columns["procedure"], dtype=np.str_)
-        columns["procedure"].flags.writeable = False
-        return History(columns, tuple(probes))
-
-    @cached_property
-    def history(self) -> History:
-        """The history at the time of the first access."""
-        return self._history()
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """Content of ``summary.json``; empty if the run has not ended or was killed."""
-        text = _wythe.summary(self._path)
-        if text is None:
-            return {}
-        said: dict[str, Any] = json.loads(text)
-        return said
-
-    @property
-    def status(self) -> Status:
-        """``"completed"``, ``"collapsed"``, ``"not_converged"``, ``"interrupted"`` (by Ctrl-C or an exception) or
-        ``"stopped"`` (by the callback); ``"unfinished"`` without a summary.
-        """
-        return cast(Status, self.summary.get("status", "unfinished"))
-
-    @property
-    def verdict(self) -> str:
-        """Verdict on the run in one sentence; empty if the run has not ended or was killed."""
-        return str(self.summary.get("verdict", ""))
-
-    @property
-    def verdict_kind(self) -> VerdictKind | None:
-        """Verdict in one word; None if the run has not ended or was killed."""
-        return cast("VerdictKind | None", self.summary.get("verdict_kind"))
-
-    @property
-    def message(self) -> str:
-        """Place, reason and remedy, if the run did not complete."""
-        return str(self.summary.get("message", ""))
-
-    @property
-    def warnings(self) -> list[str]:
-        """Warnings of the model, followed by those of the run."""
-        return list(self.summary.get("warnings", []))
-
-    @property
-    def log(self) -> list[str]:
-        """Changes of the procedure with their reasons."""
-        return list(self.summary.get("log", []))
-
-    @cached_property
-    def _figures(self) -> Mapping[str, Any]:
-        """Key figures: of the summary, or without one those that follow from the history."""
-        return self.summary or _wythe.figures(self._path)
-
-    def _number(self, key: str) -> float:
-        value = self._figures.get(key)
-        return math.nan if value is None else float(value)
-
-    @property
-    def peak_force(self) -> float:
-        """Largest force along the drive [kN]; a peak if ``verdict_kind`` says so, nan if nothing was driven."""
-        return self._number("peak_force_kN")
-
-    @property
-    def displacement_at_peak(self) -> float:
-        """Displacement at the largest force [mm]."""
-        return self._number("displacement_at_peak_mm")
-
-    @property
-    def displacement_at_80_percent(self) -> float:
-        """Displacement after the peak at which the force has fallen to 0.8 of it [mm]; nan if it never does."""
-        return self._number("displacement_at_80_percent_mm")
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Secant stiffness up to a tenth of the peak [kN/mm]."""
-        return self._number("initial_stiffness_kN_per_mm")
-
-    @property
-    def energy_balance_error(self) -> float:
-        """Largest error of the energy balance over the largest work [-]; nan if the run has not ended or was killed."""
-        return self._number("energy_balance_error")
-
-    @property
-    def error_estimate(self) -> dict[str, Any]:
-        """Estimated error of peak, area and displacement at the peak, of a run with ``error=True``; empty without.
-
-        The keys are those of ``error_estimate`` in ``summary.json``.
-        """
-        return dict(self.summary.get("error_estimate") or {})
-
-    @property
-    def error_lines(self) -> list[str]:
-        """The same in sentences: ``peak 108.5 ± 1.9 kN (1.7 %, mostly mesh) at 3.6 ± 0.3 mm``; empty without."""
-        return _wythe.error_lines(self._path)
-
-    @cached_property
-    def answers(self) -> dict[str, Any]:
-        """Answers in the terms of engineers: bilinear curve, loops, first damage, mode of failure, crack widths, points
-        at the drift limits of EN 1998-3.
-
-        The keys are those of ``answers`` in ``summary.json``. A run that has not ended has those of its curve.
-        """
-        said: dict[str, Any] = json.loads(_wythe.answers(self._path)[0])
-        return said
-
-    @property
-    def answer_lines(self) -> list[str]:
-        """The answers in lines, as ``wythe info`` prints them."""
-        return [f"{head}: {text}" for head, text in _wythe.answers(self._path)[1]]
-
-    def at_drifts(
-        self, drifts: Sequence[float], *, height: float | None = None
-    ) -> list[dict[str, Any]]:
-        """Force and displacement of the curve at drifts [-] over ``height`` [mm], by default the clear height of the
-        model. The keys are those of ``performance_points``.
-
-        Raises
-        ------
-        ValueError
-            Nothing was driven, or the model has no clear height and none is given.
-        """
-        wanted = [float(drift) for drift in drifts]
-        if not all(drift > 0.0 and math.isfinite(drift) for drift in wanted):
-            raise ValueError(f"drifts: expected numbers above 0, got {wanted}")
-        if height is not None and not (height > 0.0 and math.isfinite(height)):
-            raise ValueError(f"height: expected a number above 0, got {height}")
-        found: list[dict[str, Any]] = json.loads(_wythe.at_drifts(self._path, wanted, height))
-        return found
 
     @cached_property
     def reactions(self) -> dict[str, Floats]:
@@ -246,20 +79,6 @@ class Results:
             return None
         along: Floats = -1e-3 * sense * np.sum([of[:, axis] for of in supports], axis=0)
         return along
-
-    @property
-    def sections(self) -> dict[str, dict[str, Floats]]:
-        """Forces [kN] and moments [kN m] in the sections by the name of the section, then by that of the component:
-        ``"N_kN"``, ``"Vx_kN"``, ``"My_kNm"``, … Shape (increments,) each. Empty without sections.
-        """
-        found: dict[str, dict[str, Floats]] = {}
-        columns = self.history.probes
-        for first, column in enumerate(columns):
-            name, end = column[: -len("_N_kN")], column[-len("_N_kN") :]
-            own = columns[first : first + 6]
-            if end == "_N_kN" and own[-1] == f"{name}_T_kNm":
-                found[name] = {of[len(name) + 1 :]: self.history[of] for of in own}
-        return found
 
     @property
     def deck(self) -> str | None:
