@@ -1,4 +1,4 @@
-//! The second-order cone program of the static theorem, solved by clarabel.
+//! The second-order cone program of the static theorem, solved by the interior-point method of this module or by clarabel.
 //!
 //! ```text
 //! max λ   subject to   G f + r + p + λ q = 0     power of forces, reactions, dead and live loads on each motion
@@ -17,7 +17,6 @@ use super::joints::Joint;
 use super::matrix::Matrix;
 use super::rods::Rod;
 use super::unknowns::Unknowns;
-use crate::linear::Analysis;
 
 /// A corner of a joint, at which a force acts.
 #[derive(Clone, Copy, Debug)]
@@ -50,15 +49,8 @@ pub struct Program<'a> {
     pub rods: &'a [Rod],
     /// Motions and forces that are unknown.
     pub unknowns: &'a Unknowns,
-}
-
-/// What the programs of a scene leave for the next one.
-#[derive(Debug, Default)]
-pub struct Memory {
-    /// Analysis of the equations.
-    known: Option<Analysis>,
-    /// Whether clarabel solves the programs: the own method stalled, and would do so again.
-    pub stalled: bool,
+    /// Whether clarabel solves it.
+    pub by_clarabel: bool,
 }
 
 /// Solution of a program.
@@ -125,30 +117,21 @@ fn by_clarabel(program: &Matrix, cost: &[f64], tolerance: f64) -> Result<Answer,
 }
 
 impl Program<'_> {
-    /// Solves the program. `memory` is that of the scene.
+    /// Solves the program.
     ///
     /// # Errors
     /// [`LimitError`]: no state carries the dead loads, no factor is too large, the solver fails.
-    pub fn solve(&self, memory: &mut Memory) -> Result<Solution, LimitError> {
+    pub fn solve(&self) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
         let program = self.matrix(scale);
         let mut cost = vec![0.0; program.entries.n];
         cost[0] = -1.0;
-        let (nodes, places) = self.nodes();
-        let own = if memory.stalled {
-            None
-        } else {
-            interior::solve(
-                &program,
-                &cost,
-                (&nodes, &places),
-                &mut memory.known,
-                TOLERANCE,
-            )
-        };
-        let own = own.filter(|answer| answer.end != End::Stalled || answer.error <= COARSE);
-        memory.stalled = own.is_none();
-        let answer = match own {
+        let own = (!self.by_clarabel).then(|| {
+            let (nodes, places) = self.nodes();
+            interior::solve(&program, &cost, (&nodes, &places), TOLERANCE)
+        });
+        let sound = |answer: &Answer| answer.end != End::Stalled || answer.error <= COARSE;
+        let answer = match own.flatten().filter(sound) {
             Some(answer) => answer,
             None => by_clarabel(&program, &cost, TOLERANCE)
                 .or_else(|_| by_clarabel(&program, &cost, COARSE))?,
@@ -163,9 +146,16 @@ impl Program<'_> {
             End::Solved | End::Stalled => {}
         }
         let factor = answer.x[0];
+        let gap = (factor + answer.bound).abs() / factor.abs().max(SMALL);
+        // A solution that is not in balance to the tolerance is no better than this.
+        let miss = if answer.end == End::Stalled {
+            answer.error
+        } else {
+            0.0
+        };
         Ok(Solution {
             factor: without_noise(factor) * live,
-            gap: (factor + answer.bound).abs() / factor.abs().max(SMALL),
+            gap: gap.max(miss),
             forces: self.forces(&answer.x, scale),
             rods: self.rod_forces(&answer.x, scale),
             mechanism: self.mechanism(&answer.y, 1.0 / live),

@@ -1,11 +1,9 @@
 //! Rigid bodies of a model with their joints, ties and actions.
 
-use std::cell::RefCell;
-
 use super::actions::Actions;
 use super::bodies::Bodies;
 use super::joints::Joint;
-use super::program::{Memory, Program, Solution};
+use super::program::{Program, Solution};
 use super::rods::Rod;
 use super::unknowns::Unknowns;
 use super::yield_surface::YieldSurface;
@@ -26,8 +24,8 @@ pub struct RigidScene<'a> {
     actions: Actions,
     /// Unknowns of the program.
     pub unknowns: Unknowns,
-    /// What its programs leave for the next one.
-    memory: RefCell<Memory>,
+    /// Whether clarabel solves its programs.
+    by_clarabel: bool,
 }
 
 impl<'a> RigidScene<'a> {
@@ -57,7 +55,7 @@ impl<'a> RigidScene<'a> {
             rods,
             actions,
             unknowns,
-            memory: RefCell::default(),
+            by_clarabel: false,
         })
     }
 
@@ -76,8 +74,10 @@ impl<'a> RigidScene<'a> {
             ..*settings
         };
         let scene = Self::of(model, live, &whole)?;
-        scene.memory.borrow_mut().stalled = true;
-        Ok(scene)
+        Ok(Self {
+            by_clarabel: true,
+            ..scene
+        })
     }
 
     /// Largest factor with a yield surface.
@@ -97,9 +97,9 @@ impl<'a> RigidScene<'a> {
             strength: settings.strength,
             rods: &self.rods,
             unknowns: &self.unknowns,
+            by_clarabel: self.by_clarabel,
         };
-        let mut memory = self.memory.borrow_mut();
-        program.solve(&mut memory).map_err(|why| match why {
+        program.solve().map_err(|why| match why {
             LimitError::Falls(body) => {
                 let unit = self.bodies.all.get(body).map_or(0, |body| body.unit);
                 LimitError::FallsAt(self.model.mesh.called(unit))

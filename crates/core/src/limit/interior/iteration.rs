@@ -2,6 +2,7 @@
 
 use super::cones::{Cone, Shape};
 use super::normal::{Normal, Parts};
+use crate::linear::dot;
 
 /// Most iterations.
 const ITERATIONS: usize = 100;
@@ -67,10 +68,6 @@ struct Residuals {
     objective: f64,
     /// Mean product of s and z, and of τ and κ.
     mean: f64,
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn most(v: &[f64]) -> f64 {

@@ -6,7 +6,7 @@
 //!
 //! The homogeneous embedding (Goulart and Chen 2024), which also tells programs without solution apart, with the scaling
 //! of Nesterov and Todd and the corrector of Mehrotra. Each step solves equations like those of elastic joints: the
-//! linear solver of the runs factorises them, with an analysis that serves all programs of a search.
+//! linear solver of the runs factorises them.
 
 mod blocks;
 mod cones;

@@ -3,7 +3,7 @@
 
 use super::blocks::Block;
 use super::cones::Cone;
-use crate::linear::{Analysis, Backend, LinearSolver, Options, Pattern};
+use crate::linear::{Backend, LinearSolver, Options, Pattern, dot};
 
 /// Largest number of unknowns without bounds.
 const MOST_FREE: usize = 60;
@@ -57,7 +57,6 @@ impl Normal {
         free_entries: Vec<(usize, Vec<(usize, f64)>)>,
         equations: usize,
         nodes: Nodes<'_>,
-        known: Option<&Analysis>,
     ) -> Option<Self> {
         if free_entries.len() > MOST_FREE {
             return None;
@@ -92,7 +91,7 @@ impl Normal {
             accept: 1e-2,
             ..Options::new(Backend::MultifrontalLlt)
         };
-        let solver = LinearSolver::analyse_beside(pattern, options, known).ok()?;
+        let solver = LinearSolver::analyse_beside(pattern, options, None).ok()?;
         let (free, free_entries): (Vec<usize>, Vec<_>) = free_entries.into_iter().unzip();
         Some(Self {
             values: vec![0.0; rows.len()],
@@ -106,11 +105,6 @@ impl Normal {
             places,
             equations,
         })
-    }
-
-    /// Analysis of the pattern.
-    pub fn analysis(&self) -> Option<&Analysis> {
-        self.solver.analysis()
     }
 
     /// Factorises with the scaling of the cones; false if a matrix is singular.
@@ -128,7 +122,7 @@ impl Normal {
             let mut places = self.places[at].iter();
             for left in block.lifted.chunks_exact(count) {
                 for (right, place) in block.lifted.chunks_exact(count).zip(places.by_ref()) {
-                    let product: f64 = left.iter().zip(right).map(|(a, b)| a * b).sum();
+                    let product = dot(left, right);
                     self.values[*place as usize] += product;
                 }
             }
@@ -215,7 +209,7 @@ impl Normal {
             let rows = block.rows.len();
             let mut lifted: Vec<f64> = block.columns.iter().map(|k| right.x[*k]).collect();
             for (g, column) in lifted.iter_mut().zip(block.scaled.chunks_exact(rows)) {
-                *g += column.iter().zip(&own).map(|(a, b)| a * b).sum::<f64>();
+                *g += dot(column, &own);
             }
             block.lift(&mut lifted);
             for (e, column) in block
@@ -223,7 +217,7 @@ impl Normal {
                 .iter()
                 .zip(block.lifted.chunks_exact(lifted.len()))
             {
-                y[*e] += column.iter().zip(&lifted).map(|(a, b)| a * b).sum::<f64>();
+                y[*e] += dot(column, &lifted);
             }
             block
                 .columns

@@ -7,7 +7,6 @@ use super::cones::{Cone, Shape};
 use super::iteration::{End, Iteration};
 use super::normal::{Nodes, Normal, Parts};
 use crate::limit::matrix::Matrix;
-use crate::linear::Analysis;
 
 /// Solution of a program.
 #[derive(Clone, Debug)]
@@ -95,15 +94,8 @@ impl Scales {
     }
 }
 
-/// Solves a program to a tolerance. `known`: analysis of a program with the same equations, which is replaced by that of
-/// this one. `None` if it is none of the kind for this method.
-pub fn solve(
-    program: &Matrix,
-    cost: &[f64],
-    nodes: Nodes<'_>,
-    known: &mut Option<Analysis>,
-    tolerance: f64,
-) -> Option<Answer> {
+/// Solves a program to a tolerance. `None` if it is none of the kind for this method.
+pub fn solve(program: &Matrix, cost: &[f64], nodes: Nodes<'_>, tolerance: f64) -> Option<Answer> {
     let (equations, cones, of_row) = cones_of(program)?;
     let matrix = &program.entries;
     let (mut blocks, free) = split(matrix, equations, &of_row, &cones);
@@ -123,7 +115,7 @@ pub fn solve(
         });
         (k, scaled.collect())
     });
-    let mut normal = Normal::new(blocks, free.collect(), equations, nodes, known.as_ref())?;
+    let mut normal = Normal::new(blocks, free.collect(), equations, nodes)?;
     let scaled = program.right.iter().enumerate();
     let scaled = scaled.map(|(i, b)| scales.rows.get(i).unwrap_or(&1.0) * b / scales.right);
     let mut y: Vec<f64> = scaled.collect();
@@ -146,13 +138,11 @@ pub fn solve(
     };
     let x = iteration.x.iter().zip(&scales.columns);
     let y = iteration.y.iter().zip(&scales.rows);
-    let answer = Answer {
+    Some(Answer {
         end,
         error,
         x: x.map(|(x, k)| scales.right * k * x / size).collect(),
         y: y.map(|(y, r)| r * y / (scales.cost * size)).collect(),
         bound: bound * scales.right / scales.cost,
-    };
-    *known = normal.analysis().cloned();
-    Some(answer)
+    })
 }

@@ -81,7 +81,7 @@ fn cost(program: &Matrix) -> Vec<f64> {
 fn own(program: &Matrix) -> Answer {
     let places = [[0.0; 3], [1.0, 0.0, 0.0]];
     let nodes = [0, 0, 0, 1, 1, 1];
-    solve(program, &cost(program), (&nodes, &places), &mut None, 1e-9).unwrap()
+    solve(program, &cost(program), (&nodes, &places), 1e-9).unwrap()
 }
 
 fn clarabel(program: &Matrix) -> (SolverStatus, f64) {
