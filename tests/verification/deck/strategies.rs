@@ -4,7 +4,7 @@ use crate::common::boxes::{bodies, volume};
 use crate::common::examples;
 use crate::common::scene::rows;
 use wythe::contact::{InterfaceLaw, JointLaw};
-use wythe::deck::Deck;
+use wythe::deck::{Deck, Strategy, check};
 use wythe::model::Model;
 
 /// Brick and mortar of the paper's shear walls.
@@ -227,6 +227,57 @@ fn a_window_wall_is_near_the_detailed_one() {
             "{strategy}: {found:?} {area}"
         );
     }
+}
+
+/// Mortar that cracks by shear before the joint slides is told where the top does not rise, weak mortar only.
+#[test]
+fn mortar_that_cracks_first_is_told() {
+    let warned = |mortar: &str, step: &str| {
+        let text = format!(
+            "strategy = \"simplified\"\n{}[wall]\nunit = [204, 98, 50]\nbed_joint = 12.5\nhead_joint = 12.5\n\
+             length = 990\ncourses = 6\nunit_material = \"brick\"\nmortar_material = \"mortar\"\n\
+             interface = \"joint\"\n{step}",
+            SOLIDS.replace("[[1.5, 0, 0]", mortar)
+        );
+        let deck = Deck::from_str(&text, "wall.toml").unwrap_or_else(|e| panic!("{e}"));
+        let warnings = Model::from_deck(&deck).unwrap().1;
+        warnings
+            .iter()
+            .filter(|w| w.to_string().contains("cracks by shear"))
+            .count()
+    };
+    let weak = "[[0.5, 0, 0]";
+    // Once, not for head joints again: beds carry the pressure.
+    assert_eq!(warned(weak, PUSH), 1);
+    assert_eq!(warned(weak, &format!("{PUSH}vertical = \"free\"\n")), 0);
+    assert_eq!(warned("[[1.5, 0, 0]", PUSH), 0);
+}
+
+#[test]
+fn derived_values_are_told_without_digits_of_rounding() {
+    let text = wall("simplified", "length = 990\ncourses = 6", PUSH)
+        .to_toml()
+        .unwrap();
+    // 3813 times 1e-4 is 0.38130000000000003.
+    let deck = Deck::from_str(&text.replace("c = 0.22\n", "c = 0.3813\n"), "wall.toml").unwrap();
+    let notes = check(&deck, &built(&deck)).notes;
+    assert!(
+        notes.iter().any(|note| note.contains("; c = 0.3813 MPa,")),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn decks_of_two_strategies_differ() {
+    let of = |strategy: &str| wall(strategy, "length = 990\ncourses = 6", PUSH);
+    let all: Vec<Deck> = Strategy::ALL.map(|s| of(s.name())).into();
+    for (i, a) in all.iter().enumerate() {
+        for (j, b) in all.iter().enumerate() {
+            assert_eq!(a == b, i == j, "{:?} {:?}", a.strategy, b.strategy);
+        }
+    }
+    let cut = "length = 990\ncourses = 6\n[[sections]]\nname = \"foot\"\nthrough = [0, 0, 30]";
+    assert!(of("detailed") != wall("detailed", cut, PUSH));
 }
 
 #[test]

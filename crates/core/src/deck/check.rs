@@ -455,7 +455,7 @@ fn fidelity_note(fidelity: Fidelity, planes: &[MirrorPlane], least: &Model) -> O
 
 /// A value for a note, to four decimals.
 fn decimals(value: f64) -> f64 {
-    (1e4 * value).round() * 1e-4
+    (1e4 * value).round() / 1e4
 }
 
 /// Parameters of an interface, and its stiffnesses in this model.

@@ -45,12 +45,7 @@ fn choose_meshes(deck: &mut Deck) {
     let silent = |path: &String| !deck.says(&format!("{path}.mesh"));
     let paths: Vec<String> = thin(deck).map(|(path, ..)| path).filter(silent).collect();
     for path in paths {
-        let place = path.strip_prefix("walls.").and_then(|i| i.parse().ok());
-        let wall = match place {
-            Some(i) => deck.walls.get_mut::<usize>(i),
-            None => deck.wall.as_mut(),
-        };
-        if let Some(wall) = wall {
+        if let Some(wall) = deck.wall_mut(&path) {
             wall.mesh.thickness = ENOUGH.div_ceil(wall.leaves);
         }
     }

@@ -455,6 +455,14 @@ impl Deck {
             .map(|(path, wall)| (path, wall.name.as_deref().unwrap_or("wall"), wall))
     }
 
+    /// The wall at a path of [`Deck::walls`].
+    pub(super) fn wall_mut(&mut self, path: &str) -> Option<&mut Wall> {
+        match path.strip_prefix("walls.") {
+            Some(i) => self.walls.get_mut(i.parse::<usize>().ok()?),
+            None => self.wall.as_mut(),
+        }
+    }
+
     /// Clamped courses of `[wall]`, if there is such a wall and it is clamped.
     pub fn clamped(&self) -> Option<Clamped> {
         match self.wall.as_ref()?.clamped {
@@ -484,25 +492,70 @@ impl Deck {
 /// Two decks are equal if their values are equal, wherever and however they are written.
 impl PartialEq for Deck {
     fn eq(&self, other: &Self) -> bool {
-        self.format == other.format
-            && self.title == other.title
-            && self.materials == other.materials
-            && self.interfaces == other.interfaces
-            && self.wall == other.wall
-            && self.walls == other.walls
-            && self.blocks == other.blocks
-            && self.imports == other.imports
-            && self.arch == other.arch
-            && self.contacts == other.contacts
-            && self.supports == other.supports
-            && self.springs == other.springs
-            && self.ties == other.ties
-            && self.beams == other.beams
-            && self.symmetry == other.symmetry
-            && self.probes == other.probes
-            && self.element == other.element
-            && self.contact == other.contact
-            && self.steps == other.steps
-            && self.output == other.output
+        // A new table must be named here.
+        let Self {
+            format,
+            title,
+            fidelity,
+            strategy,
+            simplified,
+            materials,
+            interfaces,
+            wall,
+            walls,
+            blocks,
+            imports,
+            arch,
+            contacts,
+            supports,
+            springs,
+            ties,
+            beams,
+            symmetry,
+            probes,
+            sections,
+            element,
+            contact,
+            steps,
+            output,
+            test,
+            source: _,
+            assumed: _,
+            derived: _,
+            cautions: _,
+        } = self;
+        let scene = (wall, walls, blocks, imports, arch, contacts);
+        let held = (supports, springs, ties, beams, symmetry);
+        *format == other.format
+            && *title == other.title
+            && *fidelity == other.fidelity
+            && *strategy == other.strategy
+            && *simplified == other.simplified
+            && *materials == other.materials
+            && *interfaces == other.interfaces
+            && scene
+                == (
+                    &other.wall,
+                    &other.walls,
+                    &other.blocks,
+                    &other.imports,
+                    &other.arch,
+                    &other.contacts,
+                )
+            && held
+                == (
+                    &other.supports,
+                    &other.springs,
+                    &other.ties,
+                    &other.beams,
+                    &other.symmetry,
+                )
+            && *probes == other.probes
+            && *sections == other.sections
+            && *element == other.element
+            && *contact == other.contact
+            && *steps == other.steps
+            && *output == other.output
+            && *test == other.test
     }
 }

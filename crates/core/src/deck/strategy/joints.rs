@@ -1,6 +1,6 @@
 //! Interfaces of expanded units: stiffness, strength and energy of the joints and of the units beside them.
 
-use super::units::{Solid, weight};
+use super::units::{LEAST_CLOSING, Solid, weight};
 use crate::deck::quantity::{
     FractureEnergy, InterfaceStiffness, Length, Number, Pressure, Quantity,
 };
@@ -166,7 +166,9 @@ impl Joint<'_> {
         let layers: Vec<_> = layers.filter(|(_, size)| *size > 0.0).collect();
         let closing: f64 = layers.iter().map(|(s, size)| s.at_peak * size).sum();
         let said = self.said;
-        let kappa_p = said.kappa_p.map_or(closing.max(1e-3), Quantity::get);
+        let kappa_p = said
+            .kappa_p
+            .map_or(closing.max(LEAST_CLOSING), Quantity::get);
         // The weaker layer crushes.
         let weaker = layers.iter().min_by(|a, b| a.0.f_c.total_cmp(&b.0.f_c));
         let beyond = weaker.map_or(0.0, |(s, size)| s.crushing_of(*size));

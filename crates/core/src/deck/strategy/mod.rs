@@ -1,8 +1,9 @@
 //! Strategies `simplified` and `rigid`: derives the walls of a coarser model from those of a detailed one
 //! (theory/strategies.md).
 //!
-//! Units grow to the middle of their joints and keep their material, or become rigid. Interfaces without thickness take over the
-//! stiffness, strength and energy of mortar and units. The derived deck has explicit values and could be written by hand.
+//! Units grow to the middle of their joints and keep their material, or become rigid. Interfaces without thickness take
+//! over the stiffness, strength and energy of mortar and units. The derived deck has explicit values and could be written
+//! by hand.
 
 mod joints;
 mod units;
@@ -34,46 +35,24 @@ pub(super) fn derive(deck: &mut Deck) {
     if !matches!(deck.strategy, Strategy::Simplified | Strategy::Rigid) {
         return;
     }
-    let paths: Vec<String> = deck.walls().map(|(path, ..)| path).collect();
+    let walls = deck.walls().filter(|(.., w)| !w.rigid && !w.expanded);
+    let walls = walls.map(|(path, name, wall)| (path, name.to_owned(), wall.clone()));
+    let walls: Vec<(String, String, Wall)> = walls.collect();
     let mut parts = [1; 3];
-    for path in paths {
-        let Some(wall) = wall_at(deck, &path)
-            .filter(|w| !w.rigid && !w.expanded)
-            .cloned()
-        else {
-            continue;
-        };
-        let name = wall.name.as_deref().unwrap_or("wall");
+    for (path, name, wall) in walls {
         let (along, through) = wall.axes();
         parts[along] = parts[along].max(PARTS_ALONG);
-        if deck
-            .steps
-            .iter()
-            .any(|step| wall_defaults::bends(step, name, &wall))
-        {
+        let mut steps = deck.steps.iter();
+        if steps.any(|step| wall_defaults::bends(step, &name, &wall)) {
             parts[through] = parts[through].max(PARTS_THROUGH);
         }
         let derived = Derivation::of(deck, &wall).wall();
-        if let Some(wall) = wall_mut(deck, &path) {
+        if let Some(wall) = deck.wall_mut(&path) {
             *wall = derived;
         }
     }
     let given = deck.contact.parts;
     deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
-}
-
-fn wall_at<'a>(deck: &'a Deck, path: &str) -> Option<&'a Wall> {
-    match path.strip_prefix("walls.") {
-        Some(i) => deck.walls.get(i.parse::<usize>().ok()?),
-        None => deck.wall.as_ref(),
-    }
-}
-
-fn wall_mut<'a>(deck: &'a mut Deck, path: &str) -> Option<&'a mut Wall> {
-    match path.strip_prefix("walls.") {
-        Some(i) => deck.walls.get_mut(i.parse::<usize>().ok()?),
-        None => deck.wall.as_mut(),
-    }
 }
 
 /// Whether a step drives the level beam without letting it rise, so that the wall is pressed as it is driven.
@@ -195,7 +174,7 @@ impl<'a> Derivation<'a> {
     /// Adds the interface in the middle of units to the deck; none if they cannot crack.
     fn crack(&mut self) -> Option<String> {
         let of = self.deck.interfaces.get(&self.wall.interface)?;
-        let derived = self.unit.crack(of)?;
+        let derived = self.unit.crack(of, self.wall.unit[0].get())?;
         let (kind, path) = (
             format!("{} (crack)", self.wall.unit_material),
             format!("materials.{}", self.wall.unit_material),

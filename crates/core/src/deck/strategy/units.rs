@@ -26,12 +26,12 @@ pub(super) struct Strength {
     pub(super) f_t: f64,
     /// Compressive strength [MPa].
     pub(super) f_c: f64,
-    /// Fracture energy in tension [N/mm].
-    pub(super) mode_1: f64,
-    /// Energy of crushing beyond the peak [N/mm], or over the length of a layer [N/mm²] if `is_per_length`.
-    pub(super) crushing: f64,
-    /// Whether the tables belong to no length, so that energies are those of 1 mm of a layer.
-    pub(super) is_per_length: bool,
+    /// Fracture energy in tension [N/mm], or for 1 mm of a layer [N/mm²] if `is_per_length`.
+    mode_1: f64,
+    /// Energy of crushing beyond the peak, likewise.
+    crushing: f64,
+    /// Whether the tables belong to no length.
+    is_per_length: bool,
     /// Inelastic strain at the compressive strength [-].
     pub(super) at_peak: f64,
 }
@@ -48,23 +48,24 @@ impl Solid {
         Self {
             name: name.to_owned(),
             modulus: elastic.E,
-            shear: 0.5 * elastic.E / (1.0 + elastic.nu),
+            shear: elastic.shear_modulus(),
             strength,
         }
     }
 
-    /// Interface in the middle of a unit: its tensile strength and energy, in shear the Coulomb line that touches the
-    /// circles of both uniaxial strengths, and a cap at the compressive strength. None if the unit does not crack.
-    pub(super) fn crack(&self, of: &Interface) -> Option<Interface> {
+    /// Interface in the middle of a unit of this length [mm]: its tensile strength and energy, in shear the Coulomb line
+    /// that touches the circles of both uniaxial strengths, and a cap at the compressive strength (theory/strategies.md,
+    /// eq. 6). None if the unit does not crack.
+    pub(super) fn crack(&self, of: &Interface, length: f64) -> Option<Interface> {
         let s = self.strength?;
         let root = (s.f_c * s.f_t).sqrt();
         let (c, friction) = (0.5 * root, 0.5 * (s.f_c - s.f_t) / root);
-        if !(s.mode_1 > 0.0 && friction > 0.0 && s.crushing > 0.0) {
+        let [mode_1, crushing] = [s.mode_1, s.crushing].map(|energy| s.over(energy, length));
+        if !(mode_1 > 0.0 && friction > 0.0 && crushing > 0.0) {
             return None;
         }
-        // A crack crosses the height of one unit: tables that belong to no length hold for 1 mm.
-        let peak = (s.at_peak * CRUSHED).max(1e-3);
-        let crushing = CapCurve::RISING * s.f_c * peak + s.crushing;
+        let peak = (s.at_peak * length).max(LEAST_CLOSING);
+        let crushing = CapCurve::RISING * s.f_c * peak + crushing;
         Some(Interface {
             kind: JointKind::Cap,
             name: None,
@@ -75,10 +76,10 @@ impl Solid {
             zeta: None,
             xi: None,
             u_k: None,
-            G_I: Some(FractureEnergy::new(s.mode_1)),
+            G_I: Some(FractureEnergy::new(mode_1)),
             delta_k: None,
             // Bond and cohesion vanish over equal displacements.
-            G_II: Some(FractureEnergy::new(s.mode_1 * c / s.f_t)),
+            G_II: Some(FractureEnergy::new(mode_1 * c / s.f_t)),
             f_m: Some(Pressure::new(s.f_c)),
             G_fc: Some(FractureEnergy::new(crushing)),
             kappa_p: Some(Length::new(peak)),
@@ -96,8 +97,8 @@ impl Solid {
     }
 }
 
-/// Length of a unit over which it crushes beside a crack [mm].
-const CRUSHED: f64 = 50.0;
+/// Least plastic closing at the compressive strength [mm]: the law needs one.
+pub(super) const LEAST_CLOSING: f64 = 1e-3;
 
 /// C_ss with which the cap, where it meets friction `t`, is reached as the larger principal stress of σ and τ = t σ
 /// reaches the compressive strength: (½ + √(¼ + t²))² = 1 + C_ss t². It is less where the residual of the cap must hold the
@@ -146,10 +147,15 @@ impl Strength {
 
     /// Energy of crushing of a layer of this thickness [N/mm].
     pub(super) fn crushing_of(&self, thickness: f64) -> f64 {
+        self.over(self.crushing, thickness)
+    }
+
+    /// One of the energies for a layer of this thickness [N/mm].
+    fn over(&self, energy: f64, thickness: f64) -> f64 {
         if self.is_per_length {
-            self.crushing * thickness
+            energy * thickness
         } else {
-            self.crushing
+            energy
         }
     }
 }
