@@ -118,6 +118,7 @@ pub fn beam(model: &mut Model, nodes: Vec<u32>) -> usize {
         nodes,
         area: 1.0,
         normal: [0.0, 0.0, 1.0],
+        shape: Vec::new(),
     });
     model.beams.len() - 1
 }

@@ -14,7 +14,7 @@ use results::{
     ANIMATE_HELP, COMPARE_HELP, EVALUATE_HELP, EXPORT_HELP, INFO_HELP, MODES_HELP, PLOT_HELP,
 };
 pub use results::{Animate, Compare, Evaluate, Export, Format, Frames, Info, Modes, Plot};
-pub use studies::{AccuracySpeed, Stability, Study, Validation, Zoo};
+pub use studies::{AccuracySpeed, Stability, Strategies, Study, Validation, Zoo};
 
 /// Computes the collapse of masonry walls by the detailed micro-model.
 ///

@@ -69,3 +69,40 @@ fn an_unknown_strategy_names_the_known_ones() {
     assert_eq!(code(&check), 2);
     assert!(stderr(&check).contains("simplified"), "{}", stderr(&check));
 }
+
+#[test]
+fn a_study_puts_the_strategies_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study").display().to_string();
+    let wall = example("61_wall_with_opening.toml");
+    let study = [
+        "study",
+        "strategies",
+        &wall,
+        "--only",
+        "limit,simplified,detailed",
+        "--set",
+        "steps.1.displacement=0.2 mm",
+        "--out",
+        &out,
+    ];
+    let found = wythe(&study);
+    assert_eq!(code(&found), 0, "{}", stderr(&found));
+    let page = std::fs::read_to_string(format!("{out}/strategies.md")).unwrap();
+    for name in ["limit", "simplified", "detailed"] {
+        let line = page.lines().find(|l| l.starts_with(&format!("| {name} |")));
+        let line = line.unwrap_or_else(|| panic!("{name}: {page}"));
+        let force: f64 = line.split('|').nth(2).unwrap().trim().parse().unwrap();
+        assert!(force > 0.0, "{line}");
+    }
+    assert!(page.contains("completed") && page.contains("force along the drive"));
+    let chart = std::fs::read_to_string(format!("{out}/strategies.svg")).unwrap();
+    assert!(chart.contains("<svg") && chart.contains("simplified"));
+    let unknown = wythe(&["study", "strategies", &wall, "--only", "coarse"]);
+    assert_eq!(code(&unknown), 2);
+    assert!(
+        stderr(&unknown).contains("limit, rigid"),
+        "{}",
+        stderr(&unknown)
+    );
+}

@@ -253,11 +253,11 @@ fn through_joints_and_slivers_are_reported() {
             .iter()
             .all(|w| !w.contains("sliver") && !w.contains("bond"))
     );
-    // 4 whole units and 20 mm: a sliver whose head joints nearly coincide, 32.5 mm apart
+    // 4 whole units and 22 mm: slivers whose head joints nearly coincide, 34.5 mm apart
     assert!(
-        warned("886 mm")
+        warned("888 mm")
             .iter()
-            .any(|w| w.contains("slivers of 20.00 mm"))
+            .any(|w| w.contains("slivers of 22.00 mm"))
     );
     // 4 whole units and 200 mm
     assert!(

@@ -10,6 +10,7 @@ mod oscillators;
 mod paths;
 mod relaxation;
 mod resume;
+mod settlements;
 mod stiff_scenes;
 mod tolerance;
 mod vibration;

@@ -33,10 +33,22 @@ pub enum Study {
     /// Error against time over the choices of a user: mesh, penalty, procedure, step …
     #[command(after_help = ACCURACY_HELP)]
     AccuracySpeed(AccuracySpeed),
+    /// One deck by every modelling strategy: limit, rigid, simplified, detailed.
+    #[command(after_help = STRATEGIES_HELP)]
+    Strategies(Strategies),
     /// Random walls, run with defaults only: how many are solved, and at which cost.
     #[command(after_help = ZOO_HELP)]
     Zoo(Zoo),
 }
+
+const STRATEGIES_HELP: &str = "\
+Each strategy is run in a process of its own, one after the other. DIR then holds strategies.md (forces, costs, \
+differences to the detailed run), strategies.svg (the curves) and a folder for each strategy. The limit analysis has \
+associated friction and dry joints; `wythe limit` has more choices.
+
+Examples:
+  wythe study strategies wall.toml
+  wythe study strategies facade.toml --only simplified,detailed --limit 3600 --threads 2";
 
 const ZOO_HELP: &str = "\
 Each seed is a wall: units of eight formats, five bonds, dry to strong joints, pressed by 0.05 to 2 MPa, pushed, \
@@ -117,6 +129,29 @@ pub struct Validation {
     #[arg(long, value_name = "DIR", default_value = "target/validation")]
     pub runs: PathBuf,
     /// Folder for the pages [default: beside the cases; for short forms none, only the lines are printed].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `wythe study strategies`
+#[derive(Debug, Args)]
+pub struct Strategies {
+    /// The model.
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Replace a key of MODEL, for all strategies (repeatable).
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub overrides: Vec<(String, String)>,
+    /// These strategies only: limit, rigid, simplified, detailed.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Largest CPU time of a strategy [s].
+    #[arg(long, value_name = "SECONDS", default_value = "600", value_parser = seconds)]
+    pub limit: f64,
+    /// Number of threads of a run [default: one per core].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Folder for page, chart and runs [default: MODEL with .strategies].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

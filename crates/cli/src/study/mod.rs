@@ -7,6 +7,8 @@
 //!
 //! [`validation`] compares results with tests, exact solutions and other models.
 //!
+//! [`strategies`] runs one deck by every modelling strategy.
+//!
 //! [`zoo`] runs random walls with default settings and counts how many are solved, and at which cost.
 //!
 //! ```text
@@ -27,9 +29,11 @@ mod judge;
 mod method;
 mod parallel;
 mod picture;
+mod process;
 mod report;
 mod run;
 mod stability;
+pub mod strategies;
 pub mod validation;
 mod written;
 pub mod zoo;

@@ -3,7 +3,8 @@
 //! A nodal displacement is a generalised displacement, `u[node][i] = ±q[slot]`, or zero at a support
 //! (theory/equilibrium.md, eq. 1). A level beam, which does not rotate, is three generalised displacements
 //! shared by many nodes, so a tie needs no constraint equation. Node slots come first, in the order of nodes;
-//! beam slots follow. Which beam slots are unknowns depends on the step ([`Equations`]), so a locked beam needs
+//! beam slots follow. A settlement is a beam whose nodes each make a part of its displacement.
+//! Which beam slots are unknowns depends on the step ([`Equations`]), so a locked beam needs
 //! no new numbering of the nodes. An image node beyond a plane of symmetry shares the slots of its original,
 //! with the opposite sign along the normal.
 
@@ -23,7 +24,7 @@ pub struct DofMap {
     /// Slot of each nodal displacement or [`HELD`]. `[node][xyz]`
     pub slot: Vec<[u32; 3]>,
     /// Sign of the nodal displacement relative to the slot's: −1 along the normal for an image in a plane of
-    /// symmetry, else 1. `[node][xyz]`
+    /// symmetry, the part of a settlement, else 1. `[node][xyz]`
     pub sign: Vec<[f64; 3]>,
     /// Number of generalised displacements.
     pub slots: usize,
@@ -79,15 +80,21 @@ impl DofMap {
             *s = beam_start + (UNSET - 1 - *s);
         }
         let mut sign = vec![[1.0; 3]; nodes];
+        for beam in beams {
+            for (&n, part) in beam.nodes.iter().zip(&beam.shape) {
+                sign[n as usize] = [*part; 3];
+            }
+        }
         for image in reflected {
             slot[image.node as usize] = slot[image.of as usize];
-            sign[image.node as usize] = image.sign;
+            let of = sign[image.of as usize];
+            sign[image.node as usize] = [0, 1, 2].map(|i| image.sign[i] * of[i]);
         }
         let slots = beam_start as usize + 3 * beams.len();
         let mut owner = vec![(u32::MAX, 0); slots];
         for (n, s) in slot.iter().enumerate() {
             for i in 0..3 {
-                if s[i] != HELD && owner[s[i] as usize].0 == u32::MAX {
+                if s[i] != HELD && sign[n][i] != 0.0 && owner[s[i] as usize].0 == u32::MAX {
                     owner[s[i] as usize] = (n as u32, i as u8);
                 }
             }
@@ -111,6 +118,12 @@ impl DofMap {
     /// Slot of direction `i` of beam `b`.
     pub fn beam_slot(&self, b: usize, i: usize) -> usize {
         self.beam_start + 3 * b + i
+    }
+
+    /// Generalised displacement of a slot from the displacement of the node that [`Self::node_of`] gives [mm].
+    pub fn of_node(&self, slot: usize, u: &[f64; 3]) -> f64 {
+        let (node, i) = self.node_of(slot);
+        u[i] / self.sign[node][i]
     }
 
     /// Nodal displacements of generalised ones: `u[node][i] = ±q[slot]` or 0 [mm].

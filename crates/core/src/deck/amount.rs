@@ -61,7 +61,8 @@ fn of_wall(wall: &Wall) -> Amount {
         Bond::Header => in_row(width),
         // Headers, or two leaves of stretchers, whichever are more.
         Bond::English | Bond::EnglishCross | Bond::Flemish => {
-            in_row(width).max(2.0 * in_row(length))
+            let halves = f64::from(wall.leaves.max(2));
+            (0.5 * halves).ceil() * in_row(width).max(2.0 * in_row(length))
         }
         Bond::Pattern => {
             let of_course = |course: &crate::deck::schema::DeckCourse| -> f64 {
@@ -173,6 +174,7 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("supports", deck.supports.len(), MOST_ENTRIES),
         ("springs", deck.springs.len(), MOST_ENTRIES),
         ("beams", deck.beams.len(), MOST_ENTRIES),
+        ("settlements", deck.settlements.len(), MOST_ENTRIES),
         ("ties", deck.ties.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
         ("sections", deck.sections.len(), MOST_ENTRIES),
@@ -186,7 +188,12 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
                 .of_kind(ErrorKind::TooMany));
         }
     }
-    let changed = 1 + deck.springs.len() + deck.beams.len() + loads.min(MOST_ENTRIES) + faces;
+    let changed = 1
+        + deck.springs.len()
+        + deck.beams.len()
+        + deck.settlements.len()
+        + loads.min(MOST_ENTRIES)
+        + faces;
     if deck.steps.len().saturating_mul(changed) > MOST_CHANGES {
         let count = deck.steps.len();
         return Err(deck.error(

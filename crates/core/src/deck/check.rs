@@ -339,6 +339,15 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
             "bond{of}: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
         ));
     }
+    notes.extend(storey_note(masonry, &of));
+    let snapped = &masonry.snapped;
+    if snapped.count > 0 {
+        notes.push(format!(
+            "snap{of}: pieces shorter than {:.4} mm joined to the units beside them: {} units or lintels are longer, by at \
+             most {:.2} mm",
+            snapped.below, snapped.count, snapped.longest
+        ));
+    }
     if masonry.wall.rigid {
         return notes; // reported together with all rigid-like bodies
     }
@@ -357,6 +366,14 @@ fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
         length * height * thickness
     ));
     notes
+}
+
+/// Note on the heights at which the storeys of a wall end.
+fn storey_note(masonry: &Masonry<'_>, of: &str) -> Option<String> {
+    let heights = masonry::storey_heights(masonry.wall);
+    let told = |[end, asked]: &[f64; 2]| format!("{end:.1} mm (asked: {asked:.1})");
+    let told: Vec<String> = heights.iter().map(told).collect();
+    (!told.is_empty()).then(|| format!("storeys{of} end with a course at {}", told.join(", ")))
 }
 
 /// Note on the modulus of rigid-like bodies.

@@ -238,6 +238,7 @@ fn presses(deck: &Deck, step: &DeckStep) -> bool {
             let pressures = [step.pressure, step.top_pressure];
             pressures.into_iter().flatten().any(|p| p.get() > 0.0)
         }
+        StepKind::Drive if step.settlement.is_some() => false,
         StepKind::Drive if deck.clamped().is_some() && step.face.is_none() => {
             let along = step.direction.map_or([1.0, 0.0, 0.0], Heading::unit);
             step.displacement.is_some_and(|d| along[2] * d.get() < 0.0)

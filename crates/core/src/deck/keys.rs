@@ -206,6 +206,12 @@ prestress = "20 kN"  # of all bars together
 ties.step => step = "stress"  # in which it is installed and stressed
 ties.bond => bond = "anchored"  # at its ends; or "bonded" along its length
 unbonded = "120 mm"  # free length of a bonded tie at each joint
+[[settlements]]
+settlements.along => along = "x"  # the shape varies along it
+trough = { centre = "3 m", inflection = "1.5 m" }  # 1 in its middle
+tilt = { from = "0 m", to = "6 m" }  # 0 at the first, 1 at the second
+table = { at = ["0 m", "2 m", "6 m"], values = [0, 1, 0.2] }
+settlement = "ground"  # of [[settlements]]
 [[beams]]
 beam = "beam"  # of [[beams]]
 depth = "200 mm"
@@ -258,9 +264,20 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 12] = [
-    "walls", "blocks", "imports", "contacts", "supports", "springs", "ties", "beams", "symmetry",
-    "probes", "sections", "steps",
+pub(super) const LISTS: [&str; 13] = [
+    "walls",
+    "blocks",
+    "imports",
+    "contacts",
+    "supports",
+    "springs",
+    "settlements",
+    "ties",
+    "beams",
+    "symmetry",
+    "probes",
+    "sections",
+    "steps",
 ];
 
 /// Tables that contain named tables.

@@ -6,7 +6,7 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckStep, Heading, Names, StepKind, Vertical};
+use super::schema::{Deck, DeckSettlement, DeckStep, Heading, Names, StepKind, Vertical};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::amplitude::Amplitude;
 use crate::model::scene::{Beam, BeamMotion, Driven, GroundMotion, Spring, Step, Stop, Support};
@@ -45,9 +45,17 @@ pub(super) fn loading(
             names.iter().position(|n| **n == name)
         }
         // The top of the wall is the first beam.
-        None => (top && step.spring.is_none()).then_some(0),
+        None => match &step.settlement {
+            Some(name) => beams.iter().position(|b| b.settles() && b.name == *name),
+            None => (top && step.spring.is_none()).then_some(0),
+        },
     };
-    let mut now = vec![[BeamMotion::Force(0.0); 3]; beams.len()];
+    // Ground is held until a step moves it.
+    let at_first = |beam: &Beam| match beam.settles() {
+        true => [BeamMotion::Locked; 3],
+        false => [BeamMotion::Force(0.0); 3],
+    };
+    let mut now: Vec<[BeamMotion; 3]> = beams.iter().map(at_first).collect();
     let mut load = vec![[0.0; 3]; beams.len()];
     let mut gravity = GravityNow::none();
     let mut steps = Vec::with_capacity(deck.steps.len());
@@ -61,7 +69,11 @@ pub(super) fn loading(
         let mut far_ends = vec![[0.0; 3]; springs.len()];
         let by = driven_by(step);
         let beam = beam_of(step);
-        if let Some(b) = beam.filter(|_| step.face.is_none()) {
+        if let Some(b) = beam.filter(|b| beams[*b].settles()) {
+            for (axis, by) in driven_axes(step) {
+                now[b][axis] = BeamMotion::Driven(by);
+            }
+        } else if let Some(b) = beam.filter(|_| step.face.is_none()) {
             let force = step.top_pressure.map(|p| -p.get() * beams[b].area);
             load[b][2] = force.unwrap_or(load[b][2]);
             now[b] = level_beam(step, load[b][2], now[b][2]);
@@ -121,8 +133,11 @@ fn level_beam(step: &DeckStep, load: f64, vertical: BeamMotion) -> [BeamMotion; 
     motion
 }
 
-/// Direction of a drive, of length 1.
+/// Direction of a drive, of length 1. The ground of a settlement goes down.
 fn heading(step: &DeckStep) -> [f64; 3] {
+    if step.settlement.is_some() {
+        return step.direction.map_or([0.0, 0.0, -1.0], Heading::unit);
+    }
     step.direction.map_or([1.0, 0.0, 0.0], Heading::unit)
 }
 
@@ -246,7 +261,65 @@ fn beams(deck: &Deck, bodies: &Bodies<'_>, clamped: Option<Beam>) -> Result<Vec<
             beams.extend(errors.keep(beam));
         }
     }
+    for (i, settlement) in deck.settlements.iter().enumerate() {
+        let ground = ground(deck, i, settlement, bodies, &beams);
+        beams.extend(errors.keep(ground));
+    }
     errors.end(beams)
+}
+
+/// Nodes on the ground of a settlement, which must not be those of the other `beams`.
+fn ground(
+    deck: &Deck,
+    i: usize,
+    settlement: &DeckSettlement,
+    bodies: &Bodies<'_>,
+    beams: &[Beam],
+) -> Result<Beam, ModelError> {
+    let path = format!("settlements.{i}.on");
+    let places = bodies.places(&path, &settlement.on, false)?;
+    let nodes = bodies.nodes(&places);
+    require_apart(deck, &path, &settlement.name, &nodes, beams)?;
+    let along = settlement.along.index();
+    let part = |n: &u32| settlement.part(bodies.mesh.nodes[*n as usize][along]);
+    let shape: Vec<f64> = nodes.iter().map(part).collect();
+    if shape.iter().all(|part| *part == 0.0) {
+        return Err(deck
+            .error(
+                &path,
+                format!("`{}` moves none of these nodes", settlement.name),
+                "the shape is 0 at all of them: look at its coordinates",
+            )
+            .of_kind(ErrorKind::Geometry));
+    }
+    Ok(Beam {
+        name: settlement.name.clone(),
+        nodes,
+        area: 0.0,
+        normal: [0.0; 3],
+        shape,
+    })
+}
+
+/// Rejects nodes that other beams move.
+fn require_apart(
+    deck: &Deck,
+    path: &str,
+    name: &str,
+    nodes: &[u32],
+    beams: &[Beam],
+) -> Result<(), ModelError> {
+    let shares = |b: &&Beam| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
+    let Some(other) = beams.iter().find(shares) else {
+        return Ok(());
+    };
+    Err(deck
+        .error(
+            path,
+            format!("{name} has nodes in common with {}", other.name),
+            "a node follows one face: drive one of them, or faces of different blocks",
+        )
+        .of_kind(ErrorKind::Conflict))
 }
 
 /// The face of step `i`, which must share no nodes with the `beams` of earlier steps.
@@ -266,18 +339,7 @@ fn beam(
             .of_kind(ErrorKind::Missing));
     }
     let nodes = bodies.nodes(&places);
-    if let Some(other) = beams
-        .iter()
-        .find(|b| b.nodes.iter().any(|n| nodes.binary_search(n).is_ok()))
-    {
-        return Err(deck
-            .error(
-                &path,
-                format!("{name} has nodes in common with {}", other.name),
-                "a node follows one face: drive one of them, or faces of different blocks",
-            )
-            .of_kind(ErrorKind::Conflict));
-    }
+    require_apart(deck, &path, &name, &nodes, beams)?;
     let (vector, area) = bodies.area(&places);
     let length = crate::element::hexahedron::norm(vector);
     Ok(Beam {
@@ -289,6 +351,7 @@ fn beam(
         } else {
             [0.0; 3]
         },
+        shape: Vec::new(),
     })
 }
 

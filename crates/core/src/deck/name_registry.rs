@@ -39,6 +39,8 @@ pub(super) struct NameRegistry {
     bodies: HashMap<String, Range<usize>>,
     /// Units at each side of a wall, by the name of the wall. `[face]`
     sides: HashMap<String, [Vec<usize>; 6]>,
+    /// Units of the courses and storeys of walls, by name.
+    layers: HashMap<String, Vec<usize>>,
     /// Imports by name.
     imports: HashMap<String, Brought>,
     /// Names in order, for advice; without those of single units.
@@ -160,6 +162,11 @@ impl NameRegistry {
         }
         let sides = Face::ALL.map(|(_, face)| wall.on(face));
         self.sides.insert(wall.name.clone(), sides);
+        for layer in wall.layers() {
+            let name = format!("{}.{}", wall.name, layer.name);
+            self.layers.insert(name.clone(), layer.bodies);
+            self.sides.insert(name, layer.sides);
+        }
         self.group(&wall.name, first) && new
     }
 
@@ -314,30 +321,16 @@ impl NameRegistry {
         if let Some(places) = self.of_import(deck, path, name, faces) {
             return places;
         }
-        let (body, face) =
-            match name.rsplit_once('.') {
-                None if faces => {
-                    return Err(deck
-                        .error(
-                            path,
-                            format!("`{name}` is no face"),
-                            &format!("say which: {name}.top, {name}.left, ..."),
-                        )
-                        .of_kind(ErrorKind::UnknownName));
-                }
-                None => (name, None),
-                Some((body, face)) => {
-                    let known = Face::ALL.iter().find(|(known, _)| *known == face);
-                    let Some((_, known)) = known else {
-                        return Err(deck.error(
-                        path,
-                        format!("`{name}`: a block has no face `{face}`"),
-                        "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
-                    ).of_kind(ErrorKind::UnknownName));
-                    };
-                    (body, Some(*known as usize))
-                }
-            };
+        let (body, face) = self.split(deck, path, name)?;
+        if faces && face.is_none() {
+            return Err(deck
+                .error(
+                    path,
+                    format!("`{name}` is no face"),
+                    &format!("say which: {name}.top, {name}.left, ..."),
+                )
+                .of_kind(ErrorKind::UnknownName));
+        }
         let place = |body: usize| Place { body, face };
         if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
             if sides[face].is_empty() {
@@ -353,9 +346,65 @@ impl NameRegistry {
             }
             return Ok(sides[face].iter().copied().map(place).collect());
         }
+        if let Some(layer) = self.layers.get(body) {
+            return Ok(layer.iter().copied().map(place).collect());
+        }
         let range = self.bodies.get(body).cloned();
         let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
         Ok(range.map(place).collect())
+    }
+
+    /// Name of a body or group, and index of its face, if the name has one.
+    ///
+    /// # Errors
+    /// Unknown face, course or storey.
+    fn split<'n>(
+        &self,
+        deck: &Deck,
+        path: &str,
+        name: &'n str,
+    ) -> Result<(&'n str, Option<usize>), ModelError> {
+        if self.layers.contains_key(name) {
+            return Ok((name, None));
+        }
+        let Some((body, face)) = name.rsplit_once('.') else {
+            return Ok((name, None));
+        };
+        let known = Face::ALL.iter().find(|(known, _)| *known == face);
+        if known.is_none() && !is_layer(face) {
+            return Err(deck
+                .error(
+                    path,
+                    format!("`{name}`: a block has no face `{face}`"),
+                    "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
+                )
+                .of_kind(ErrorKind::UnknownName));
+        }
+        let whole = if known.is_some() { body } else { name };
+        let wall = whole.rsplit_once('.').filter(|(_, layer)| is_layer(layer));
+        if let Some((wall, _)) = wall.filter(|_| !self.layers.contains_key(whole)) {
+            return Err(self.unknown_layer(deck, path, whole, wall));
+        }
+        Ok((whole, known.map(|(_, face)| *face as usize)))
+    }
+
+    /// Error of a course or storey that a wall has not.
+    fn unknown_layer(&self, deck: &Deck, path: &str, name: &str, wall: &str) -> ModelError {
+        let count = |kind: &str, first: usize| {
+            (first..)
+                .take_while(|k| self.layers.contains_key(&format!("{wall}.{kind}-{k}")))
+                .count()
+        };
+        let help = match [count("course", 0), count("storey", 1)] {
+            [0, _] => "only walls have courses and storeys".to_owned(),
+            [courses, 0] => format!(
+                "courses 0 to {}; no storeys: `storeys` of the wall gives their heights",
+                courses - 1
+            ),
+            [courses, storeys] => format!("courses 0 to {}, storeys 1 to {storeys}", courses - 1),
+        };
+        deck.error(path, format!("there is no `{name}`"), &help)
+            .of_kind(ErrorKind::UnknownName)
     }
 
     fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {
@@ -370,6 +419,11 @@ impl NameRegistry {
         deck.error(path, format!("there is no block named `{name}`"), &help)
             .of_kind(ErrorKind::UnknownName)
     }
+}
+
+/// Whether a part of a name is that of a course or a storey.
+fn is_layer(name: &str) -> bool {
+    name.starts_with("course-") || name.starts_with("storey-")
 }
 
 /// NAME, or NAME-0-0-0, NAME-1-0-0, …, along x first.

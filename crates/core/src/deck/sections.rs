@@ -217,8 +217,9 @@ fn rows(openings: &[DeckOpening]) -> Vec<Vec<&DeckOpening>> {
 
 /// Ranges of masonry along a wall beside and between the openings of a row [mm].
 fn piers(wall: &Wall, row: &[&DeckOpening]) -> Vec<[f64; 2]> {
-    let starts = std::iter::once(0.0).chain(row.iter().map(|o| o.to.get()));
-    let ends = row.iter().map(|o| o.from.get());
+    let edges = || row.iter().map(|o| wall.edges(o));
+    let starts = std::iter::once(0.0).chain(edges().map(|[_, to]| to));
+    let ends = edges().map(|[from, _]| from);
     let ends = ends.chain(std::iter::once(wall.length.get()));
     let spans = starts.zip(ends).map(|(start, end)| [start, end]);
     spans.filter(|[start, end]| end > start).collect()

@@ -38,7 +38,10 @@ impl Live {
 /// Index of the last step with a live action, and the action.
 pub fn live_step(model: &Model) -> Option<(usize, Live)> {
     let live = |step: &Step| {
-        let drives = step.motion.iter().flatten();
+        // Ground that settles loads nothing.
+        let moved = step.motion.iter().zip(&model.beams);
+        let moved = moved.filter(|(_, beam)| !beam.settles());
+        let drives = moved.flat_map(|(motion, _)| motion);
         let mut drives = drives.filter(|motion| matches!(motion, BeamMotion::Driven(_)));
         let springs = step.springs.iter().flatten().any(|by| *by != 0.0);
         if drives.next().is_some() || springs {

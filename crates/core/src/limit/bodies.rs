@@ -173,7 +173,8 @@ impl Bodies {
             });
             body.motions = moves.into_iter().chain(turns).collect();
         }
-        for (b, beam) in model.beams.iter().enumerate() {
+        let beams = model.beams.iter().enumerate();
+        for (b, beam) in beams.filter(|(_, beam)| !beam.settles()) {
             let Some(body) = beam.nodes.iter().find_map(|n| self.of_node[*n as usize]) else {
                 continue;
             };
@@ -202,9 +203,12 @@ impl Bodies {
 
     /// Holds the bodies of supports. A body of which three nodes that are not on a line are fixed is held as a whole.
     fn hold(&mut self, model: &Model) {
-        for support in &model.supports {
+        let ground = model.beams.iter().filter(|beam| beam.settles());
+        let ground = ground.map(|beam| (&beam.nodes, [true; 3]));
+        let supports = model.supports.iter().map(|s| (&s.nodes, s.fixed));
+        for (nodes, fixed) in supports.chain(ground) {
             let mut held: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
-            for n in &support.nodes {
+            for n in nodes {
                 if let Some(body) = self.of_node[*n as usize] {
                     held.entry(body).or_default().push(*n);
                 }
@@ -214,12 +218,12 @@ impl Bodies {
                     .iter()
                     .map(|n| Vector3::from(model.mesh.nodes[*n as usize]));
                 let x: Vec<Vector3<f64>> = x.collect();
-                if support.fixed == [true; 3] && spans_a_plane(&x, self.size) {
+                if fixed == [true; 3] && spans_a_plane(&x, self.size) {
                     self.all[body].motions.clear();
                     continue;
                 }
                 for x in x {
-                    for axis in (0..3).filter(|axis| support.fixed[*axis]) {
+                    for axis in (0..3).filter(|axis| fixed[*axis]) {
                         let mut force = Vector3::zeros();
                         force[axis] = 1.0;
                         let arm = x - self.all[body].centre;
@@ -256,7 +260,7 @@ impl Bodies {
 /// Number of the first unit of those that beams tie, for each unit.
 fn tied(beams: &[Beam], unit_of_node: &[Option<usize>], units: usize) -> Vec<usize> {
     let mut first: Vec<usize> = (0..units).collect();
-    for beam in beams {
+    for beam in beams.iter().filter(|beam| !beam.settles()) {
         let own = beam.nodes.iter().filter_map(|n| unit_of_node[*n as usize]);
         let own: Vec<usize> = own.map(|unit| first[unit]).collect();
         let Some(least) = own.iter().copied().min() else {

@@ -252,6 +252,7 @@ impl ModelBuilder {
             nodes,
             area,
             normal: whole.map(|a| if area > 0.0 { a / area } else { 0.0 }),
+            shape: Vec::new(),
         });
         self.model.beams.len() - 1
     }

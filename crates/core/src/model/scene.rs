@@ -164,6 +164,16 @@ pub struct Beam {
     pub area: f64,
     /// Outward normal of the face under pressure.
     pub normal: [f64; 3],
+    /// Part of the beam's displacement that each node makes: the shape of a settlement; empty if all move alike.
+    /// `[node of the beam]`
+    pub shape: Vec<f64>,
+}
+
+impl Beam {
+    /// Whether it is ground that moves by a shape, not a face that moves as one.
+    pub fn settles(&self) -> bool {
+        !self.shape.is_empty()
+    }
 }
 
 /// Nodes fixed in some directions.

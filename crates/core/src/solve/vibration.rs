@@ -148,9 +148,9 @@ impl<'a> Vibration<'a> {
             step = of;
             check(model, frame)?;
             for (slot, q) in state.q.iter_mut().enumerate() {
-                let (node, i) = system.dofs.node_of(slot);
+                let (node, _) = system.dofs.node_of(slot);
                 if let Some(u) = frame.displacement.get(node) {
-                    *q = system.dofs.sign[node][i] * u[i];
+                    *q = system.dofs.of_node(slot, u);
                 }
             }
             damage(model, frame, &mut state);

@@ -1,6 +1,7 @@
 //! `wythe study`: runs many models side by side, evaluates them and reports them on one page.
 
 mod accuracy;
+mod strategies;
 mod validation;
 mod zoo;
 
@@ -32,6 +33,7 @@ pub fn study(arguments: &Study, program: &[OsString]) -> Result<(), Failure> {
         Study::Stability(arguments) => stability(arguments),
         Study::AccuracySpeed(arguments) => accuracy::accuracy_speed(arguments),
         Study::Validation(arguments) => validation::validation(arguments),
+        Study::Strategies(arguments) => strategies::strategies(arguments, program),
         Study::Zoo(arguments) => zoo::zoo(arguments, program),
     }
 }

@@ -11,7 +11,6 @@
 //! other walls too.
 
 mod page;
-mod process;
 mod python_random;
 mod reference;
 mod row;
@@ -20,6 +19,6 @@ mod wall;
 
 pub use page::{histogram, page};
 pub use python_random::PythonRandom;
-pub use row::{ZooRow, read, table};
+pub use row::{ZooRow, one_line, read, status, table};
 pub use study::{Folder, Options, zoo};
 pub use wall::{Bonding, Load, Solid, Wall};

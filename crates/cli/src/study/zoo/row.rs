@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reference::Difference;
 use super::wall::Wall;
+use crate::study::process::Ended;
 use wythe_core::error::IoError;
 use wythe_core::results::{ReadError, RunFolder, SummaryFile};
 use wythe_core::state::EnergyBalance;
@@ -106,19 +107,6 @@ pub struct ZooRow {
     pub area_difference: Option<f64>,
     /// Message of the run at its end.
     pub message: String,
-}
-
-/// End of a run's process, see [`run`](super::process::run).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ended {
-    /// Whether the process exceeded its time limit.
-    pub out_of_time: bool,
-    /// Exit code; none if a signal ended the process.
-    pub code: Option<i32>,
-    /// CPU time [s].
-    pub cpu_s: f64,
-    /// Text of standard error.
-    pub stderr: String,
 }
 
 impl ZooRow {
@@ -256,7 +244,7 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Shortens a message to one line of a table, without its frames of lines.
-fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     const ROOM: usize = 300;
     let words = text.split(|c: char| c.is_whitespace() || "│×╭─╰▶╮╯·┬".contains(c));
     let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();

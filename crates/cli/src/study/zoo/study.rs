@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use super::process::{self, Call};
 use super::reference::{Difference, careful};
 use super::row::{OUT_OF_TIME, ZooRow, read, table};
 use super::wall::Wall;
 use crate::study::parallel::side_by_side;
+use crate::study::process::{self, Call, run_of};
 use wythe_core::deck::Deck;
 use wythe_core::error::IoError;
 use wythe_core::files::write_whole;
@@ -229,12 +229,10 @@ impl Zoo<'_> {
         let mut set = set.to_vec();
         set.push(("output.mcap".to_owned(), "false".to_owned()));
         let program = &self.options.program;
+        let deck = self.folder.deck(wall.seed);
         let call = Call {
             program,
-            deck: &self.folder.deck(wall.seed),
-            folder: out,
-            set: &set,
-            threads: self.options.threads,
+            arguments: &run_of(&deck, out, &set, self.options.threads),
             limit,
         };
         let ended = process::run(&call, self.stop);

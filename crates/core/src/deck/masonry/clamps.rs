@@ -44,6 +44,7 @@ pub(in crate::deck) fn level_beam(bodies: &Bodies<'_>) -> Option<Beam> {
             nodes: nodes(bodies, wall, tied),
             area: area(wall),
             normal: [0.0, 0.0, 1.0],
+            shape: Vec::new(),
         })
     };
     bodies.walls.iter().find_map(clamped)

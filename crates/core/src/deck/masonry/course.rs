@@ -7,7 +7,7 @@
 //! ```
 
 use super::layout::Refusal;
-use crate::deck::quantity::Quantity;
+use crate::deck::quantity::{Length, Quantity};
 use crate::deck::schema::{Bond, DeckCourse, Wall};
 
 /// A leaf of a course: units one after the other along the wall.
@@ -106,8 +106,51 @@ impl Sizes {
 /// Courses of a wall from the lowest one; after the last one the sequence repeats.
 ///
 /// # Errors
-/// Sizes that are not compatible.
+/// Sizes that are not compatible. If the length does not fit, the help has the nearest lengths that do.
 pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
+    bond(wall).map_err(|refusal| {
+        let near = if refusal.key == "length" {
+            lengths_that_fit(wall)
+        } else {
+            Vec::new()
+        };
+        if near.is_empty() {
+            return refusal;
+        }
+        let near: Vec<String> = near.iter().map(|length| format!("{length} mm")).collect();
+        Refusal {
+            help: format!("take {}", near.join(" or ")),
+            ..refusal
+        }
+    })
+}
+
+/// The nearest lengths below and above that of a wall in which its bond fits [mm]: whole quarters of a unit and its
+/// joint.
+fn lengths_that_fit(wall: &Wall) -> Vec<f64> {
+    let sizes = Sizes::of(wall);
+    let quarter = 0.25 * (sizes.unit + sizes.head);
+    let present = ((sizes.length + sizes.head) / quarter).floor();
+    let fits = |quarters: &f64| {
+        let length = quarters * quarter - sizes.head;
+        let wall = Wall {
+            length: Length::new(length),
+            ..wall.clone()
+        };
+        length > 0.0 && bond(&wall).is_ok()
+    };
+    let away = (0..MOST_QUARTERS).map(f64::from);
+    let below = away.clone().map(|k| present - k).find(fits);
+    let above = away.map(|k| present + 1.0 + k).find(fits);
+    let length = |quarters: f64| (1e6 * (quarters * quarter - sizes.head)).round() / 1e6;
+    below.into_iter().chain(above).map(length).collect()
+}
+
+/// Quarters of a unit by which a length is changed at most to find one that fits.
+const MOST_QUARTERS: u32 = 12;
+
+/// Courses of a bond, see [`courses`].
+fn bond(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let sizes = Sizes::of(wall);
     sizes.require_few()?;
     if wall.bond == Bond::Pattern && wall.pattern.iter().all(|c| c.leaves.is_empty()) {
@@ -333,18 +376,78 @@ fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<CourseRow>, Refusal> 
     Ok(vec![front, row([sizes.unit - sizes.width, sizes.unit])])
 }
 
+/// English bond of a wall of two or more half-bricks: courses with stretchers in front and headers behind them, and
+/// with headers in front, by turns.
 fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let whole = two_leaves(sizes, &stack(sizes)?)?;
-    let mut courses = vec![whole, headers(sizes)?];
+    let halves = wall.leaves.max(2);
+    let stretchers = |slots: &[Slot]| match halves {
+        2 => two_leaves(sizes, slots),
+        _ => thick(sizes, halves, slots, true),
+    };
+    let header_course = || match halves {
+        2 => headers(sizes),
+        _ => thick(sizes, halves, &stack(sizes)?, false),
+    };
+    let mut courses = vec![stretchers(&stack(sizes)?)?, header_course()?];
     if wall.bond == Bond::EnglishCross {
         let half = (sizes.unit - sizes.head) / 2.0;
         let mut shifted = vec![half];
         let rest = sizes.length - half - sizes.head;
         shifted.extend(filled(&[sizes.unit], rest, sizes)?);
-        courses.push(two_leaves(sizes, &slots(shifted, sizes.head))?);
-        courses.push(headers(sizes)?);
+        courses.push(stretchers(&slots(shifted, sizes.head))?);
+        courses.push(header_course()?);
     }
     Ok(courses)
+}
+
+/// A course of an English bond of three half-bricks or more: rows of stretchers and of headers, each as deep as its
+/// units. `first`: whether the front has stretchers.
+fn thick(
+    sizes: &Sizes,
+    halves: u32,
+    stretchers: &[Slot],
+    first: bool,
+) -> Result<Vec<CourseRow>, Refusal> {
+    let lacks = sizes.unit - 2.0 * sizes.width - sizes.collar;
+    if lacks.abs() > sizes.tolerance() {
+        return Err(Refusal::new(
+            "collar_joint",
+            format!(
+                "headers of {} mm are not as deep as two stretchers with a collar joint of {} mm",
+                sizes.unit, sizes.collar
+            ),
+            format!(
+                "length of the unit = 2 times its thickness + the collar joint: collar_joint = {}",
+                sizes.unit - 2.0 * sizes.width
+            ),
+        ));
+    }
+    let plain = |slot: &Slot| Slot {
+        header: false,
+        ..*slot
+    };
+    let headers: Vec<Slot> = headers(sizes)?
+        .iter()
+        .flat_map(|row| row.slots.iter().map(plain))
+        .collect();
+    let mut rows = Vec::new();
+    let (mut front, mut left) = (0.0, halves);
+    while left > 0 {
+        let stretches = left == 1 || (first && rows.is_empty());
+        let depth = if stretches { sizes.width } else { sizes.unit };
+        rows.push(CourseRow {
+            through: [front, front + depth],
+            slots: if stretches {
+                stretchers.to_vec()
+            } else {
+                headers.clone()
+            },
+            material: None,
+        });
+        front += depth + sizes.collar;
+        left -= if stretches { 1 } else { 2 };
+    }
+    Ok(rows)
 }
 
 fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {

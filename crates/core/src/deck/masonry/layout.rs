@@ -6,6 +6,7 @@
 
 use super::course::{CourseRow, Sizes, Slot, courses};
 use super::openings;
+use super::snap::{self, Part, Snapped};
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Bond, Deck, Wall};
 use crate::error::{ErrorKind, ModelError};
@@ -114,6 +115,8 @@ pub(super) struct Cut {
     pub(super) courses: Courses,
     /// Thickness of the joint of units that end there [mm]; none: they end without a joint.
     pub(super) joint: Option<f64>,
+    /// Whether a lintel fills it, at which units end with a head joint.
+    pub(super) filled: bool,
     /// Description for errors, and the key.
     pub(super) what: String,
     pub(super) key: String,
@@ -151,21 +154,25 @@ struct Piece {
     courses: u32,
 }
 
-/// A piece shorter than this fraction of a unit is a sliver.
-const SLIVER: f64 = 0.1;
-
-/// Computes the units of a wall from which `cuts` are removed.
+/// Computes the units of a wall from which `cuts` are removed. Short pieces are joined to their neighbours.
 ///
 /// # Errors
-/// Sizes that are not compatible, openings that leave slivers.
-pub(super) fn lay(wall: &Wall, cuts: &[Cut]) -> Result<Vec<Unit>, Refusal> {
-    let pattern = courses(wall)?;
+/// Sizes that are not compatible, openings that leave slivers without a neighbour.
+pub(super) fn lay(wall: &Wall, cuts: &[Cut], snapped: &mut Snapped) -> Result<Vec<Unit>, Refusal> {
+    let spans = openings::spans(wall, &mut Snapped::new(wall));
+    let mut pattern = courses(wall)?;
+    snap::join_bats(wall, &mut pattern, snapped);
     let sizes = Sizes::of(wall);
     let levels = levels(wall);
     let laid: Vec<Vec<Piece>> = (0..wall.courses)
         .map(|k| {
             let rows = &pattern[k as usize % pattern.len()];
-            pieces(wall, &sizes, rows, k, cuts)
+            let own = Course {
+                k,
+                rows,
+                spans: &spans,
+            };
+            pieces(wall, &sizes, &own, cuts, snapped)
         })
         .collect::<Result<_, _>>()?;
     let higher: Vec<(usize, &Piece)> = laid
@@ -235,52 +242,55 @@ pub(in crate::deck) fn levels(wall: &Wall) -> Vec<(f64, f64)> {
     (0..wall.courses as usize).map(level).collect()
 }
 
-/// Pieces of course `k`, leaf by leaf, from the left, then its lintels.
+/// A course before anything is cut out.
+struct Course<'a> {
+    /// Its number.
+    k: u32,
+    /// Its leaves.
+    rows: &'a [CourseRow],
+    /// Ranges of all lintels of the wall. `[opening]`
+    spans: &'a [[f64; 2]],
+}
+
+/// Pieces of a course, leaf by leaf, from the left, then its lintels.
 fn pieces(
     wall: &Wall,
     sizes: &Sizes,
-    rows: &[CourseRow],
-    k: u32,
+    course: &Course<'_>,
     cuts: &[Cut],
+    snapped: &mut Snapped,
 ) -> Result<Vec<Piece>, Refusal> {
+    let Course { k, rows, spans } = *course;
     let here: Vec<&Cut> = cuts.iter().filter(|cut| cut.courses.has(k)).collect();
     let mut pieces: Vec<Piece> = Vec::new();
     let mut headers: Vec<[f64; 2]> = Vec::new();
     let back = rows.iter().map(|r| r.through[1]).fold(0.0, f64::max);
     for (r, row) in rows.iter().enumerate() {
-        let free = intervals(sizes, &here, &headers);
-        for slot in &row.slots {
-            let through = [
-                row.through[0],
-                if slot.header { back } else { row.through[1] },
-            ];
-            let end = slot.start + slot.length;
-            for interval in &free {
-                let Some(along) = interval.part_of(slot, sizes) else {
-                    continue;
-                };
-                let is_cut = along != [slot.start, end];
-                let sliver = along[1] - along[0] < SLIVER * sizes.unit.min(slot.length);
-                if is_cut && sliver {
-                    return Err(sliver_of(interval, along, k, r));
+        for interval in intervals(sizes, &here, &headers) {
+            let parts = snap::parts(&row.slots, &interval, sizes);
+            let parts = snap::join(parts, &interval, sizes, snapped);
+            for Part { along, slot } in parts {
+                if snap::is_sliver(along, &slot, sizes) {
+                    return Err(snap::refused(&interval, along, [k, r as u32]));
                 }
+                let end = if slot.header { back } else { row.through[1] };
                 pieces.push(Piece {
                     along,
-                    through,
+                    through: [row.through[0], end],
                     reach: interval.reached_by(along, sizes),
                     row: r,
                     material: row.material.clone(),
                     kind: Kind::Unit(0),
                     courses: 1,
                 });
-            }
-            if slot.header && r + 1 < rows.len() {
-                headers.push([slot.start, end]);
+                if slot.header && r + 1 < rows.len() {
+                    headers.push(along);
+                }
             }
         }
     }
     pieces.extend(
-        openings::lintels(wall, rows, k).map(|(o, along, back, lintel)| Piece {
+        openings::lintels(wall, rows, k, spans).map(|(o, along, back, lintel)| Piece {
             along,
             through: [0.0, back],
             reach: [None; 2],
@@ -311,17 +321,17 @@ fn number(pieces: &mut [Piece]) {
 }
 
 /// A range of a course between cuts.
-struct Interval<'a> {
-    along: [f64; 2],
+pub(super) struct Interval<'a> {
+    pub(super) along: [f64; 2],
     /// Ends of the joints to the cuts at either end, where there are any [mm].
     reach: [Option<f64>; 2],
     /// Cuts at its ends.
-    cut: [Option<&'a Cut>; 2],
+    pub(super) cut: [Option<&'a Cut>; 2],
 }
 
 impl Interval<'_> {
     /// Range of the part of a unit in this interval [mm], if there is any.
-    fn part_of(&self, slot: &Slot, sizes: &Sizes) -> Option<[f64; 2]> {
+    pub(super) fn part_of(&self, slot: &Slot, sizes: &Sizes) -> Option<[f64; 2]> {
         let [low, high] = self.along;
         let along = [slot.start.max(low), (slot.start + slot.length).min(high)];
         (along[1] - along[0] > sizes.tolerance()).then_some(along)
@@ -382,24 +392,6 @@ fn intervals<'a>(sizes: &Sizes, cuts: &[&'a Cut], headers: &[[f64; 2]]) -> Vec<I
         free.push(open);
     }
     free
-}
-
-fn sliver_of(interval: &Interval<'_>, along: [f64; 2], k: u32, leaf: usize) -> Refusal {
-    // The cut at the nearer end is named in the error.
-    let side =
-        usize::from((along[1] - interval.along[1]).abs() < (along[0] - interval.along[0]).abs());
-    let cut = interval.cut[side].or(interval.cut[1 - side]);
-    let what = cut.map_or("a header, or the end of the wall,", |cut| &cut.what);
-    let [from, to] = along;
-    Refusal::new(
-        cut.map_or_else(|| "pattern".to_owned(), |cut| cut.key.clone()),
-        format!(
-            "{what} leaves a sliver of {:.2} mm of a unit in course {k}, leaf {leaf}, from {from:.2} to \
-             {to:.2} mm along the wall",
-            to - from
-        ),
-        "let it end at a head joint, or farther into the unit",
-    )
 }
 
 /// Pieces of a course in the order of their starts.

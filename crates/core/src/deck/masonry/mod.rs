@@ -4,11 +4,13 @@ mod clamps;
 mod course;
 mod expand;
 mod joints;
+mod layers;
 mod layout;
 mod lines;
 mod openings;
 mod plan;
 mod representative;
+mod snap;
 mod symmetry;
 
 pub use course::{CourseRow, Slot, courses};
@@ -17,6 +19,7 @@ pub use layout::{Half, Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};
 pub(super) use joints::joints;
+pub(super) use layers::storey_heights;
 pub(super) use lines::lines;
 pub(super) use representative::append;
 
@@ -25,6 +28,7 @@ use super::quantity::Quantity;
 use super::schema::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::symmetry::Plane;
 use crate::element::hexahedron::Face;
+use snap::Snapped;
 use std::ops::Range;
 
 /// A wall whose units have been placed.
@@ -46,6 +50,8 @@ pub(super) struct Masonry<'a> {
     pub(super) joined: Vec<usize>,
     /// Sides at which a plane of symmetry cuts it. `[face]`
     pub(super) cut: [bool; 6],
+    /// Short pieces that were joined to their neighbours.
+    pub(super) snapped: Snapped,
 }
 
 /// Places the units of all walls of a deck, which are the first bodies of the scene. An error has the path of its
@@ -64,9 +70,12 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
     let mut elements = 0.0;
     let mut walls = Vec::new();
     for (i, (path, name, wall)) in deck.walls().enumerate() {
-        let mut cuts = openings::cuts(wall).map_err(|refusal| (path.clone(), refusal))?;
+        let mut snapped = Snapped::new(wall);
+        let mut cuts =
+            openings::cuts(wall, &mut snapped).map_err(|refusal| (path.clone(), refusal))?;
         cuts.extend(plan.cuts[i].iter().cloned());
-        let units = layout::lay(wall, &cuts).map_err(|refusal| (path.clone(), refusal))?;
+        let units =
+            layout::lay(wall, &cuts, &mut snapped).map_err(|refusal| (path.clone(), refusal))?;
         if !wall.rigid {
             elements += require_countable(wall, &units, elements)
                 .map_err(|refusal| (path.clone(), refusal))?;
@@ -84,6 +93,7 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
             bodies,
             joined: plan.joined[i].clone(),
             cut,
+            snapped,
         });
     }
     expand::expand(&mut walls);
@@ -96,6 +106,10 @@ pub(super) fn thickness(wall: &Wall) -> f64 {
     let [length, width, _] = wall.unit.map(Quantity::get);
     match wall.bond {
         Bond::Stretcher | Bond::Stack => f64::from(wall.leaves) * (width + collar) - collar,
+        Bond::English | Bond::EnglishCross if wall.leaves > 2 => {
+            let whole = f64::from(wall.leaves / 2) * (length + collar) - collar;
+            whole + f64::from(wall.leaves % 2) * (width + collar)
+        }
         Bond::Header | Bond::English | Bond::EnglishCross | Bond::Flemish => length,
         Bond::Pattern => {
             let of_course = |course: &DeckCourse| {
@@ -169,7 +183,8 @@ fn require_sound(wall: &Wall) -> Result<(), Refusal> {
     for (k, course) in wall.pattern.iter().enumerate() {
         require_sound_course(wall, k, course)?;
     }
-    course::Sizes::of(wall).require_few()
+    course::Sizes::of(wall).require_few()?;
+    layers::require_storeys(wall)
 }
 
 /// Rejects sizes and counts of course `k` of a pattern.

@@ -2,33 +2,40 @@
 
 use super::course::CourseRow;
 use super::layout::{Courses, Cut, Refusal};
+use super::snap::Snapped;
 use crate::deck::schema::{DeckLintel, DeckOpening, Wall};
 
 /// Cuts of the openings of a wall.
 ///
 /// # Errors
 /// Openings outside of the wall, overlapping openings, lintels without bearing.
-pub(super) fn cuts(wall: &Wall) -> Result<Vec<Cut>, Refusal> {
+pub(super) fn cuts(wall: &Wall, snapped: &mut Snapped) -> Result<Vec<Cut>, Refusal> {
     let mut cuts = Vec::new();
     for (o, opening) in wall.openings.iter().enumerate() {
-        let key = |name: &str| format!("openings.{o}.{name}");
-        let (from, to) = (opening.from.get(), opening.to.get());
-        let top = opening.sill.saturating_add(opening.courses);
         require_within(wall, opening, o)?;
+    }
+    let spans = spans(wall, snapped);
+    for (o, opening) in wall.openings.iter().enumerate() {
+        let key = |name: &str| format!("openings.{o}.{name}");
+        let [from, to] = wall.edges(opening);
+        snapped.note([opening.from.get() - from, to - opening.to.get()]);
+        let top = opening.sill.saturating_add(opening.courses);
         cuts.push(Cut {
             along: [from, to],
             courses: Courses::Range(opening.sill, top),
             joint: None,
+            filled: false,
             what: format!("opening {o}"),
             key: key("from"),
         });
         if let Some(lintel) = &opening.lintel {
-            let [from, to] = spanned(wall, opening);
+            let [from, to] = spans[o];
             let head = wall.head_joint.get();
             cuts.push(Cut {
                 along: [from - head, to + head],
                 courses: Courses::Range(top, top + lintel.courses),
                 joint: None,
+                filled: true,
                 what: format!("the lintel of opening {o}"),
                 key: key("lintel.bearing"),
             });
@@ -37,8 +44,39 @@ pub(super) fn cuts(wall: &Wall) -> Result<Vec<Cut>, Refusal> {
     Ok(cuts)
 }
 
-/// Range of the lintel of an opening along the wall [mm].
-pub(super) fn spanned(wall: &Wall, opening: &DeckOpening) -> [f64; 2] {
+/// Ranges of the lintels of a wall along it [mm]. A lintel reaches to the end of the wall, or to an opening or lintel
+/// beside it, if less than a piece of masonry lies between. `[opening]`
+pub(super) fn spans(wall: &Wall, snapped: &mut Snapped) -> Vec<[f64; 2]> {
+    let mut spans: Vec<[f64; 2]> = wall.openings.iter().map(|o| spanned(wall, o)).collect();
+    let head = wall.head_joint.get();
+    for (o, opening) in wall.openings.iter().enumerate() {
+        let Some(lintel) = &opening.lintel else {
+            continue;
+        };
+        let first = opening.sill + opening.courses;
+        let beside = |from: u32, to: u32| from < first + lintel.courses && first < to;
+        let mut ends = vec![[0.0; 2], [wall.length.get(); 2]];
+        for (p, other) in wall.openings.iter().enumerate().filter(|(p, _)| *p != o) {
+            let top = other.sill + other.courses;
+            if beside(other.sill, top) {
+                ends.push(wall.edges(other));
+            }
+            let above = other.lintel.as_ref().map_or(0, |l| l.courses);
+            if beside(top, top + above) {
+                ends.push([spans[p][0] - head, spans[p][1] + head]);
+            }
+        }
+        for [low, high] in ends {
+            let [from, to] = spans[o];
+            snapped.extend_lintel(&mut spans[o], 0, [from - head, high]);
+            snapped.extend_lintel(&mut spans[o], 1, [to + head, low]);
+        }
+    }
+    spans
+}
+
+/// Range along the wall [mm] that the bearings of a lintel ask for.
+fn spanned(wall: &Wall, opening: &DeckOpening) -> [f64; 2] {
     let bearing = opening.lintel.as_ref().map_or(0.0, |l| l.bearing.get());
     [
         (opening.from.get() - bearing).max(0.0),
@@ -96,12 +134,12 @@ pub(super) fn lintels<'a>(
     wall: &'a Wall,
     rows: &[CourseRow],
     k: u32,
+    spans: &'a [[f64; 2]],
 ) -> impl Iterator<Item = (u32, [f64; 2], f64, &'a DeckLintel)> {
     let back = rows.iter().map(|r| r.through[1]).fold(0.0, f64::max);
     let openings = wall.openings.iter().enumerate();
     openings.filter_map(move |(o, opening)| {
         let lintel = opening.lintel.as_ref()?;
-        (opening.sill + opening.courses == k)
-            .then(|| (o as u32, spanned(wall, opening), back, lintel))
+        (opening.sill + opening.courses == k).then(|| (o as u32, spans[o], back, lintel))
     })
 }

@@ -62,6 +62,7 @@ pub(super) fn plan(deck: &Deck) -> Result<Plan, (String, Refusal)> {
                     along: common[d].map(|x| x - at),
                     courses: Courses::Every(parity, walls[through].2.courses.min(wall.courses)),
                     joint: Some(wall.head_joint.get()),
+                    filled: false,
                     what: format!("the wall {} that passes through", walls[through].1),
                     key: "at".to_owned(),
                 });

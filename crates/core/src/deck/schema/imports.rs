@@ -51,6 +51,8 @@ impl Deck {
         let cut = self.sections.iter().filter_map(|s| s.of.as_ref());
         let moved = self.steps.iter().filter_map(|s| s.face.as_ref());
         let all = contacts.chain(held).chain(sprung).chain(probed);
+        let settled = self.settlements.iter().map(|s| &s.on);
+        let moved = moved.chain(settled);
         let laid = self.beams.iter().map(|b| &b.on);
         let all = all.chain(taken_off).chain(cut).chain(moved).chain(laid);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))

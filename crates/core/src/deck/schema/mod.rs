@@ -23,6 +23,7 @@ pub mod registry;
 mod resumed;
 mod rows;
 mod sections;
+mod settlements;
 mod stand_in;
 mod steps;
 mod strategy;
@@ -51,6 +52,7 @@ pub use procedure::{
 pub use registry::SolidKind;
 pub use resumed::DeckChange;
 pub use sections::DeckSection;
+pub use settlements::{DeckProfile, DeckSettlement, DeckTilt, DeckTrough};
 pub use steps::{DeckIncrements, DeckStep, DeckTolerance, Direction, StepKind, Vertical};
 pub use strategy::{DeckSimplified, Strategy};
 pub use symmetry::{DeckSymmetry, Keep};
@@ -128,6 +130,9 @@ pub struct Deck {
     /// Springs to the ground.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<DeckSpring>,
+    /// Ground that settles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settlements: Vec<DeckSettlement>,
     /// Ties: rods and bars.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ties: Vec<DeckTie>,
@@ -508,6 +513,7 @@ impl Deck {
             contacts,
             supports,
             springs,
+            settlements,
             ties,
             beams,
             symmetry,
@@ -527,7 +533,7 @@ impl Deck {
             (format, title, fidelity, strategy, simplified),
             (materials, interfaces, element, contact, contacts),
             (wall, walls, blocks, imports, arch),
-            (supports, springs, ties, beams, symmetry),
+            (supports, springs, settlements, ties, beams, symmetry),
             (probes, sections, steps, output, test),
         )
     }

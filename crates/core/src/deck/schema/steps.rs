@@ -40,6 +40,8 @@ pub struct DeckStep {
     pub free: Option<Vec<Axis>>,
     /// Drive of blocks: the spring whose far end moves, instead of a face.
     pub spring: Option<String>,
+    /// Drive: the ground of `[[settlements]]` that moves.
+    pub settlement: Option<String>,
     /// Preload, drive: the beam of `[[beams]]` that is pressed or driven.
     pub beam: Option<String>,
     /// Gravity, free: acceleration of gravity [mm/s²].

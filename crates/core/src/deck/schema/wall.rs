@@ -45,12 +45,15 @@ pub struct Wall {
     pub length: Length,
     /// Number of courses.
     pub courses: u32,
+    /// Heights of its storeys from the lowest one [mm]; each ends with the course nearest to its height.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub storeys: Vec<Length>,
     /// Bond of the units.
     #[serde(default)]
     pub bond: Bond,
     /// Stretcher bond: distance between head joints of neighbouring courses [mm].
     pub overlap: Option<Length>,
-    /// Number of leaves, one behind the other.
+    /// Number of leaves, one behind the other; in an English bond the thickness in half-bricks, 2 if absent.
     #[serde(default = "one_leaf", skip_serializing_if = "is_one_leaf")]
     pub leaves: u32,
     /// Number of courses after which one is a course of headers through two leaves; none if absent.
@@ -61,6 +64,9 @@ pub struct Wall {
     /// Openings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub openings: Vec<DeckOpening>,
+    /// Length of the pieces beside openings, other walls and the ends of the wall that are joined to the next unit of
+    /// their course, which becomes longer [mm]: all that are shorter; a tenth of a unit if absent, 0: none.
+    pub snap: Option<Length>,
     /// Material of the units.
     pub unit_material: String,
     /// Material of the joints; absent in a dry wall.
@@ -326,7 +332,26 @@ pub struct Subdivision {
     pub thickness: u32,
 }
 
+/// Length of the pieces that are joined to the unit beside them, over that of a unit.
+const SNAP: f64 = 0.1;
+
 impl Wall {
+    /// Length below which a piece is joined to the unit beside it [mm].
+    pub fn snap_below(&self) -> f64 {
+        self.snap.map_or(SNAP * self.unit[0].get(), Length::get)
+    }
+
+    /// Range of an opening along the wall [mm]. It ends with the wall if less than a piece would be left beside it.
+    pub fn edges(&self, opening: &DeckOpening) -> [f64; 2] {
+        let ([from, to], length) = ([opening.from.get(), opening.to.get()], self.length.get());
+        let most = self.snap_below();
+        let ends = |gap: f64| gap > 0.0 && gap < most;
+        [
+            if ends(from) { 0.0 } else { from },
+            if ends(length - to) { length } else { to },
+        ]
+    }
+
     /// Axes along and through the wall.
     pub fn axes(&self) -> (usize, usize) {
         match self.along {

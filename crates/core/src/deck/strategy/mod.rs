@@ -58,6 +58,7 @@ pub(super) fn derive(deck: &mut Deck) {
 /// Whether a step drives the level beam without letting it rise, so that the wall is pressed as it is driven.
 fn keeps_top_down(step: &DeckStep) -> bool {
     let beam = step.face.is_none() && step.spring.is_none() && step.beam.is_none();
+    let beam = beam && step.settlement.is_none();
     step.kind == StepKind::Drive && beam && step.vertical != Some(Vertical::Free)
 }
 

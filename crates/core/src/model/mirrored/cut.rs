@@ -217,12 +217,15 @@ impl Cut<'_> {
     }
 
     fn beam(&self, beam: &Beam) -> Option<Beam> {
-        let mirrored = self.images.hold_together(&beam.nodes) && self.stays(beam.normal);
+        // The shape of a settlement may be any.
+        let mirrored =
+            self.images.hold_together(&beam.nodes) && self.stays(beam.normal) && !beam.settles();
         mirrored.then(|| Beam {
             name: beam.name.clone(),
             nodes: self.kept(&beam.nodes),
             area: 0.5 * beam.area,
             normal: beam.normal,
+            shape: Vec::new(),
         })
     }
 

@@ -20,6 +20,7 @@ fn model() -> Model {
         nodes: vec![4, 5, 6, 7],
         area: 1e4,
         normal: [0.0, 0.0, 1.0],
+        shape: Vec::new(),
     }];
     model
 }

@@ -349,6 +349,7 @@ mod tests {
             nodes: vec![1],
             area: 1.0,
             normal: [0.0, 0.0, 1.0],
+            shape: Vec::new(),
         }];
         assert_eq!(
             reaction_names(&model),

@@ -106,6 +106,7 @@ fn whole_model() -> Model {
         nodes: vec![4],
         area: 1.0,
         normal: [0.0, 0.0, 1.0],
+        shape: Vec::new(),
     }];
     model.supports = vec![Support {
         name: "bottom".to_owned(),

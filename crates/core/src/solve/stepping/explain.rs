@@ -146,7 +146,8 @@ fn advice(model: &Model, index: usize, rejection: &Rejection) -> String {
     if step.tangent != Tangent::Secant {
         tries.push(format!("steps.{index}.tangent = \"secant\""));
     }
-    if step.procedure != Procedure::Auto {
+    // A displacement controls the load in one procedure only.
+    if step.procedure != Procedure::Auto && step.control.is_none() {
         tries.push(format!("steps.{index}.procedure = \"auto\""));
     }
     let cracks =

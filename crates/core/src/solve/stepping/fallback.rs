@@ -14,7 +14,8 @@
 //! ```
 //!
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
-//! once. Every other procedure has a single method.
+//! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly. Every
+//! other procedure has a single method.
 
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +78,7 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
-    /// Number of leading static choices, and rejections in a row by a static choice other than the last of them.
+    /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
 }
@@ -128,7 +129,17 @@ impl Fallback {
             }
             choices.push(own(Method::Static));
         }
-        let statics = choices.iter().take_while(|r| r.method == Method::Static);
+        if step.procedure == Procedure::DisplacementControl
+            && softens
+            && step.tangent == Tangent::Secant
+        {
+            choices.push(MethodChoice {
+                method: Method::DisplacementControl,
+                tangent: Tangent::Consistent,
+            });
+        }
+        let first = choices[0].method;
+        let statics = choices.iter().take_while(|choice| choice.method == first);
         Self {
             statics: statics.count().max(1),
             stalls: 0,
@@ -207,7 +218,7 @@ impl Fallback {
         let free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
         let enough = match self.method() {
             _ if spent => true,
-            Method::Static if self.at + 1 < self.statics => {
+            Method::Static | Method::DisplacementControl if self.at + 1 < self.statics => {
                 self.stalls += 1;
                 self.stalls >= STALLS || self.is_small(size) || free
             }
@@ -309,7 +320,9 @@ impl Fallback {
             Method::Implex => (report.extrapolation_error <= IMBALANCE, 1),
             Method::QuasiStatic => (!moves, self.patience),
             Method::Direct => (true, self.patience),
-            Method::Static => (report.iterations <= EASY, self.patience),
+            Method::Static | Method::DisplacementControl => {
+                (report.iterations <= EASY, self.patience)
+            }
             _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
         self.calm = if passed { self.calm + 1 } else { 0 };
@@ -317,7 +330,9 @@ impl Fallback {
             return false;
         }
         match self.method() {
-            Method::QuasiStatic | Method::Direct | Method::Static => self.patience *= 2,
+            Method::QuasiStatic | Method::Direct | Method::Static | Method::DisplacementControl => {
+                self.patience *= 2
+            }
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }

@@ -23,6 +23,7 @@ impl Checks<'_> {
             ("springs", !deck.springs.is_empty()),
             ("symmetry", !deck.symmetry.is_empty()),
             ("beams", !deck.beams.is_empty()),
+            ("settlements", !deck.settlements.is_empty()),
             ("ties", !deck.ties.is_empty()),
         ] {
             self.demand(

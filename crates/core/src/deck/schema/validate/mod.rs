@@ -8,6 +8,7 @@ mod materials;
 mod probes;
 mod references;
 mod sections;
+mod settlements;
 mod steps;
 mod strategy;
 mod test;
@@ -81,6 +82,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.imports();
     checks.probes();
     checks.loads();
+    checks.settlements();
     checks.ties();
     checks.sections();
     checks.simplified();

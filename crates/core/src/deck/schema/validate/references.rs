@@ -52,6 +52,10 @@ impl Checks<'_> {
         for (i, spring) in deck.springs.iter().enumerate() {
             self.places(&roll, &format!("springs.{i}.on"), Some(&spring.on), false);
         }
+        for (i, settlement) in deck.settlements.iter().enumerate() {
+            let path = format!("settlements.{i}.on");
+            self.places(&roll, &path, Some(&settlement.on), false);
+        }
         for (i, beam) in deck.beams.iter().enumerate() {
             self.places(&roll, &format!("beams.{i}.on"), Some(&beam.on), true);
         }
@@ -187,6 +191,6 @@ impl Checks<'_> {
     }
 }
 
-fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+pub(super) fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     keys::nearest(name, known).map(|near| format!("did you mean `{near}`?"))
 }

@@ -373,7 +373,8 @@ impl Checks<'_> {
         use StepKind::{Drive, Free, Gravity, Load, Preload, Tilt};
         // Steps of a clamped wall without face or spring move the level beam on its top.
         let clamped = self.deck.clamped().is_some() || !self.deck.has_scene();
-        let of_spring = step.spring.is_some();
+        let of_spring = step.spring.is_some() || step.settlement.is_some();
+        let settles = step.settlement.is_some();
         // A beam of `[[beams]]` is pressed and driven like a face.
         let of_face = step.face.is_some() || step.beam.is_some();
         let of_beam = clamped && !of_face && !of_spring;
@@ -391,7 +392,7 @@ impl Checks<'_> {
         let rules = [
             rule(key!(step.top_pressure), &[Preload], of_beam, of_beam),
             rule(key!(step.pressure), &[Preload], !of_beam, !of_beam),
-            rule(key!(step.direction), &[Drive], true, true),
+            rule(key!(step.direction), &[Drive], true, !settles),
             rule(key!(step.displacement), &[Drive], true, once),
             rule(key!(step.cycles), &[Drive], true, false),
             rule(key!(step.stop), &[Drive, Load], true, false),
@@ -400,6 +401,7 @@ impl Checks<'_> {
             rule(key!(step.beam), pushes, true, false),
             rule(key!(step.free), pushes, !of_beam, false),
             rule(key!(step.spring), &[Drive], true, false),
+            rule(key!(step.settlement), &[Drive], true, false),
             rule(key!(step.gravity), &[Gravity, Free], true, false),
             rule(key!(step.angle), weighs, true, step.kind == Tilt),
             rule(key!(step.axis), weighs, true, false),
@@ -412,6 +414,14 @@ impl Checks<'_> {
             !of_spring || (step.face.is_none() && step.free.is_none()),
             &format!("{path}.spring"),
             || "a drive moves either a face or a spring".to_owned(),
+            "make the other a step of its own",
+        );
+        let others = [&step.spring, &step.beam].iter().any(|o| o.is_some());
+        let others = others || step.face.is_some() || step.free.is_some();
+        self.require(
+            !settles || !others,
+            &format!("{path}.settlement"),
+            || "a drive moves either the ground, a face, a beam or a spring".to_owned(),
             "make the other a step of its own",
         );
     }

@@ -178,7 +178,11 @@ impl Checks<'_> {
         let plain = matches!(bond, Bond::Stretcher | Bond::Stack);
         for (name, given, known) in [
             ("overlap", wall.overlap.is_some(), bond == Bond::Stretcher),
-            ("leaves", wall.leaves != 1, plain),
+            (
+                "leaves",
+                wall.leaves != 1,
+                plain || matches!(bond, Bond::English | Bond::EnglishCross),
+            ),
             (
                 "header_courses",
                 wall.header_courses.is_some(),
@@ -189,8 +193,8 @@ impl Checks<'_> {
                 !given || known,
                 &key(name),
                 || format!("`{name}` says nothing in this bond"),
-                "`overlap` is of the stretcher bond, `leaves` of stretchers and stacks, `header_courses` of two \
-                 leaves of them",
+                "`overlap` is of the stretcher bond, `leaves` of stretchers, stacks and English bonds, `header_courses` \
+                 of two leaves of the first two",
             );
         }
         self.demand(
@@ -204,6 +208,13 @@ impl Checks<'_> {
             &key("header_courses"),
             || "courses of headers are every second one at least".to_owned(),
             "header_courses = 6",
+        );
+        let half = 0.5 * wall.unit[0].get();
+        self.require(
+            wall.snap.is_none_or(|most| most.get() >= 0.0 && most.get() <= half),
+            &key("snap"),
+            || "not between 0 and half a unit".to_owned(),
+            "snap = \"25 mm\": pieces shorter than this are joined to the units beside them; 0: none",
         );
         for (k, course) in wall.pattern.iter().enumerate() {
             self.positive(&key(&format!("pattern.{k}.height")), course.height);

@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 
 use super::Names;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Gravity, Procedure, Step};
+use crate::model::scene::{Beam, BeamMotion, Gravity, Procedure, Step};
 
 /// Writes beams as rigid bodies, supports, initial velocities and the steps.
 pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
     let first = model.mesh.nodes.len() + 1;
-    for (b, (beam, name)) in model.beams.iter().zip(&names.beams).enumerate() {
+    let beams = model.beams.iter().zip(&names.beams).enumerate();
+    for (b, (beam, name)) in beams.filter(|(_, (beam, _))| !beam.settles()) {
         let count = beam.nodes.len().max(1) as f64;
         let middle = [0, 1, 2].map(|d| {
             let x = beam.nodes.iter().map(|n| model.mesh.nodes[*n as usize][d]);
@@ -61,7 +62,16 @@ pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt
         procedure(text, step)?;
         writeln!(text, "*BOUNDARY, OP=NEW")?;
         held(text, model, names)?;
-        motion(text, step, &names.beams, &mut at)?;
+        let beams = model
+            .beams
+            .iter()
+            .zip(&names.beams)
+            .zip(&mut at)
+            .enumerate();
+        for (b, ((beam, _), at)) in beams.filter(|(_, ((beam, _), _))| beam.settles()) {
+            settle(text, beam, step.motion.get(b), at)?;
+        }
+        motion(text, step, (&model.beams, &names.beams), &mut at)?;
         loads(text, model, step)?;
         writeln!(text, "*END STEP")?;
     }
@@ -75,8 +85,30 @@ fn held(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
             writeln!(text, "SUPPORT_{name}, {0}, {0}", i + 1)?;
         }
     }
-    for name in &names.beams {
+    let beams = model.beams.iter().zip(&names.beams);
+    for (_, name) in beams.filter(|(beam, _)| !beam.settles()) {
         writeln!(text, "REFERENCE_{name}, 4, 6")?;
+    }
+    Ok(())
+}
+
+/// Writes the places of nodes on ground that settles at the end of a step, and keeps those of the ground.
+fn settle(
+    text: &mut String,
+    beam: &Beam,
+    motions: Option<&[BeamMotion; 3]>,
+    at: &mut [Option<f64>; 3],
+) -> std::fmt::Result {
+    for (d, at) in at.iter_mut().enumerate() {
+        let by = match motions.map(|motions| motions[d]) {
+            Some(BeamMotion::Driven(by)) => by,
+            _ => 0.0,
+        };
+        let to = at.unwrap_or(0.0) + by;
+        *at = Some(to);
+        for (n, part) in beam.nodes.iter().zip(&beam.shape) {
+            writeln!(text, "{}, {1}, {1}, {2:?}", n + 1, d + 1, part * to)?;
+        }
     }
     Ok(())
 }
@@ -85,13 +117,14 @@ fn held(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
 fn motion(
     text: &mut String,
     step: &Step,
-    beams: &[String],
+    (beams, names): (&[Beam], &[String]),
     at: &mut [[Option<f64>; 3]],
 ) -> std::fmt::Result {
     let mut locked = String::new();
     let mut velocities = String::new();
     let mut forces = String::new();
-    for (b, name) in beams.iter().enumerate() {
+    let beams = beams.iter().zip(names).enumerate();
+    for (b, (_, name)) in beams.filter(|(_, (beam, _))| !beam.settles()) {
         let motions = step.motion.get(b).copied();
         let motions = motions.unwrap_or([BeamMotion::Locked; 3]);
         for (d, motion) in motions.into_iter().enumerate() {

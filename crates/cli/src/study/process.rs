@@ -6,7 +6,6 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::row::Ended;
 use wythe_core::results::usage;
 
 /// Interval between two checks of the process.
@@ -17,17 +16,50 @@ const GRACE: Duration = Duration::from_secs(5);
 /// time.
 const BUSY: f64 = 20.0;
 
-/// A call of `program run DECK --out FOLDER`.
+/// End of a process.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// Whether the process exceeded its time limit.
+    pub out_of_time: bool,
+    /// Exit code; none if a signal ended the process.
+    pub code: Option<i32>,
+    /// CPU time [s].
+    pub cpu_s: f64,
+    /// Text of standard error.
+    pub stderr: String,
+}
+
+/// A call of the program.
 #[derive(Clone, Copy)]
 pub struct Call<'a> {
-    /// The program, with the arguments that precede `run`.
+    /// The program, with the arguments that precede its command.
     pub program: &'a [OsString],
-    pub deck: &'a Path,
-    pub folder: &'a Path,
-    pub set: &'a [(String, String)],
-    pub threads: usize,
+    /// The command and its arguments.
+    pub arguments: &'a [OsString],
     /// Limit of CPU time if the system reports that of another process, of wall time elsewhere.
     pub limit: Duration,
+}
+
+/// Arguments of `run DECK --out FOLDER` with this number of threads and these keys of the deck.
+pub fn run_of(
+    deck: &Path,
+    folder: &Path,
+    set: &[(String, String)],
+    threads: usize,
+) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = vec![
+        "run".into(),
+        deck.into(),
+        "--out".into(),
+        folder.into(),
+        "--quiet".into(),
+        "--threads".into(),
+        threads.to_string().into(),
+    ];
+    for (key, value) in set {
+        arguments.extend(["--set".into(), format!("{key}={value}").into()]);
+    }
+    arguments
 }
 
 /// Runs a program. Returns none if the user stopped it. Files written by the process remain.
@@ -39,16 +71,7 @@ pub fn run(call: &Call<'_>, stop: &(dyn Fn() -> bool + Sync)) -> io::Result<Opti
         return Err(io::Error::other("there is no program to run it with"));
     };
     let mut command = Command::new(first);
-    command
-        .args(rest)
-        .arg("run")
-        .arg(call.deck)
-        .arg("--out")
-        .arg(call.folder);
-    command.args(["--quiet", "--threads", &call.threads.to_string()]);
-    for (key, value) in call.set {
-        command.arg("--set").arg(format!("{key}={value}"));
-    }
+    command.args(rest).args(call.arguments);
     command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -130,22 +153,15 @@ mod tests {
         ["sh", "-c", script, "sh"].map(OsString::from).to_vec()
     }
 
-    fn call(program: &[OsString], limit: f64) -> Call<'_> {
-        Call {
-            program,
-            deck: Path::new("1.toml"),
-            folder: Path::new("1.out"),
-            set: &[],
-            threads: 1,
-            limit: Duration::from_secs_f64(limit),
-        }
-    }
-
     fn run(script: &str, limit: f64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Ended> {
-        let set = &[("output.mcap".to_owned(), "false".to_owned())];
-        let program = shell(script);
-        let call = call(&program, limit);
-        super::run(&Call { set, ..call }, stop).unwrap()
+        let set = [("output.mcap".to_owned(), "false".to_owned())];
+        let arguments = run_of(Path::new("1.toml"), Path::new("1.out"), &set, 1);
+        let call = Call {
+            program: &shell(script),
+            arguments: &arguments,
+            limit: Duration::from_secs_f64(limit),
+        };
+        super::run(&call, stop).unwrap()
     }
 
     #[test]
@@ -172,7 +188,13 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_an_error() {
         let program = [OsString::from("/no/such/wythe")];
-        assert!(super::run(&call(&program, 1.0), &|| false).is_err());
-        assert!(super::run(&call(&[], 1.0), &|| false).is_err());
+        for program in [&program[..], &[]] {
+            let call = Call {
+                program,
+                arguments: &[],
+                limit: Duration::from_secs(1),
+            };
+            assert!(super::run(&call, &|| false).is_err());
+        }
     }
 }
