@@ -39,7 +39,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Chooses the next attempt after a rejection; false if none is left.
+    /// Chooses the next attempt after a rejection; false if none is left, see [`Self::give_up`].
     pub(in crate::solve) fn reject(
         &mut self,
         step_run: &mut StepRun,
@@ -81,10 +81,8 @@ impl Run<'_> {
         {
             answer = step_run.fallback.rejected(rejection, size, true);
         }
-        match answer {
-            Answer::Cut => {}
-            Answer::NextMethod => self.change_method(step_run, request, rejection, recorder),
-            Answer::GiveUp => self.give_up(step_run, request, rejection),
+        if answer == Answer::NextMethod {
+            self.change_method(step_run, request, rejection, recorder);
         }
         answer != Answer::GiveUp
     }
@@ -138,7 +136,7 @@ impl Run<'_> {
     }
 
     /// Ends the run for lack of equilibrium.
-    fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
+    pub(super) fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
         self.summary.iterations += step_run.attempts.solves;
         self.tally(&step_run.newton);
         self.summary.status = Status::NotConverged;

@@ -43,6 +43,9 @@ const RELAX_AGAIN: f64 = 0.2;
 /// Largest n of the 2ⁿ troubles in which no relaxation is tried after n + 1 that failed.
 const MOST_LOST: u32 = 5;
 
+/// Number of relaxations in a row after which a step gives up.
+const MOST_IN_A_ROW: usize = 10;
+
 /// Relaxations of a step. One that fails takes some hundred solves, so those that fail in a row are tried ever less
 /// often, as paths are (docs/theory/procedures.md, Algorithm).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,6 +65,11 @@ impl Relaxations {
             Method::Relaxation => self.in_a_row + 1,
             _ => 0,
         };
+    }
+
+    /// Whether one more relaxation may follow the last ones before a step gives up.
+    fn may_go_on(self, procedure: Procedure) -> bool {
+        procedure == Procedure::DisplacementControl && self.in_a_row < MOST_IN_A_ROW
     }
 
     /// Whether this trouble is passed over.
@@ -110,7 +118,18 @@ impl<'m> Run<'m> {
                 }
             }
         }
-        Ok(self.reject(step_run, request, rejection, recorder))
+        if self.reject(step_run, request, rejection, recorder) {
+            return Ok(true);
+        }
+        let linear = matches!(rejection, Rejection::Linear { .. });
+        if !linear && step_run.snap.relaxations.may_go_on(step_run.step.procedure) {
+            // Nothing else is left where a displacement steers the load.
+            if let Some(found) = self.relax(step_run, request, recorder) {
+                return self.accept_relaxed(step_run, request, found, recorder);
+            }
+        }
+        self.give_up(step_run, request, rejection);
+        Ok(false)
     }
 
     /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
