@@ -81,6 +81,8 @@ bond = "stretcher"  # or "stack", "header", "english", "english-cross", "flemish
 overlap = "70 mm"  # of the units of neighbouring courses
 leaves = 2
 header_courses = 6  # one of headers in every six
+snap = "25 mm"  # shorter pieces join the units beside them; 0: none
+storeys = ["2800 mm", "2700 mm"]  # heights from floor to floor
 pattern => [[wall.pattern]]  # a course: leaves = [{ units = ["204 mm"], offset = 0 }]
 height = "50 mm"
 pattern.leaves => leaves = [{ units = ["204 mm"], offset = 0 }]

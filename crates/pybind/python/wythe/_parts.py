@@ -228,28 +228,30 @@ def preload(
 
 def drive(
     displacement: Quantity | None = None,
-    direction: str = "x",
+    direction: str | None = None,
     *,
     cycles: Mapping[str, Any] | None = None,
     face: str | Sequence[str] | None = None,
     spring: str | None = None,
     beam: str | None = None,
+    settlement: str | None = None,
     vertical: str | None = None,
     free: Sequence[str] | None = None,
     stop: Mapping[str, Quantity] | None = None,
     **options: Unpack[StepOptions],
 ) -> Part:
-    """A step that drives the top of a wall, a face of blocks, a beam or the far end of a spring [mm].
+    """A step that drives the top of a wall, a face of blocks, a beam, the far end of a spring or the ground [mm].
 
     Parameters
     ----------
     displacement
         Displacement in this step [mm]; or ``cycles``.
     direction
-        ``"x"`` along the wall, ``"y"`` through it or ``"z"`` upwards; ``-`` reverses the direction.
+        ``"x"`` along the wall (default), ``"y"`` through it or ``"z"`` upwards; ``-`` reverses the direction. The ground
+        goes down by default.
     cycles
         Cyclic drive, such as ``{"amplitudes": ["1 mm", "2 mm"], "repeat": 2}``.
-    face, spring, beam
+    face, spring, beam, settlement
         Driven part, if it is not the top of a clamped wall.
     vertical
         Vertical motion of the top of a wall: ``"locked"`` or ``"free"``.
@@ -262,9 +264,10 @@ def drive(
     """
     return {
         "kind": "drive",
-        "direction": direction,
+        "direction": direction or ("x" if settlement is None else "-z"),
         **_part(displacement=displacement, cycles=cycles),
-        **_part(face=face, spring=spring, beam=beam, vertical=vertical, free=free, stop=stop),
+        **_part(face=face, spring=spring, beam=beam, settlement=settlement),
+        **_part(vertical=vertical, free=free, stop=stop),
         **options,
     }
 

@@ -215,6 +215,8 @@ def wall(
     rigid: bool | None = None,
     pattern: Sequence[Mapping[str, Any]] | None = None,
     openings: Sequence[Mapping[str, Any]] | None = None,
+    snap: Quantity | None = None,
+    storeys: Sequence[Quantity] | None = None,
     materials: Mapping[str, Mapping[str, Any]] | None = None,
     interfaces: Mapping[str, Mapping[str, Any]] | None = None,
     title: str = "wall",
@@ -256,11 +258,15 @@ def wall(
         Explicit courses of a bond, for ``bond="pattern"``.
     openings
         Openings such as ``{"from": 360, "to": 630, "sill": 6, "courses": 6, "lintel": {"bearing": 100}}``.
+    snap
+        Length of the pieces beside openings that are joined to their neighbours [mm]; 0: none.
+    storeys
+        Heights from floor to floor, the lowest first [mm]; ``wall.storey-1.top`` is then a face.
     materials, interfaces
         Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
-        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``, ``beams``,
-        ``ties``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
+        Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``,
+        ``settlements``, ``beams``, ``ties``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
@@ -291,6 +297,8 @@ def wall(
                 rigid=rigid,
                 pattern=pattern,
                 openings=openings,
+                snap=snap,
+                storeys=storeys,
                 unit_material="brick",
                 mortar_material=None if mortar is None else "mortar",
                 interface="joint",
@@ -410,8 +418,8 @@ def blocks(
     search_radius
         Largest gap at which a point is paired with the opposite surface [mm].
     tables
-        Further tables of the deck: ``beams``, ``ties``, ``symmetry``, ``walls``, ``arch``, ``element``,
-        ``fidelity``, ``output``.
+        Further tables of the deck: ``settlements``, ``beams``, ``ties``, ``symmetry``, ``walls``, ``arch``,
+        ``element``, ``fidelity``, ``output``.
     """
     return Model.from_dict(
         {

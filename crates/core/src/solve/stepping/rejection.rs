@@ -136,7 +136,12 @@ impl Run<'_> {
     }
 
     /// Ends the run for lack of equilibrium.
-    pub(super) fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
+    pub(super) fn give_up(
+        &mut self,
+        step_run: &StepRun,
+        request: IncrementRequest,
+        rejection: &Rejection,
+    ) {
         self.summary.iterations += step_run.attempts.solves;
         self.tally(&step_run.newton);
         self.summary.status = Status::NotConverged;

@@ -123,9 +123,16 @@ impl<'m> Run<'m> {
         }
         let linear = matches!(rejection, Rejection::Linear { .. });
         if !linear && step_run.snap.relaxations.may_go_on(step_run.step.procedure) {
-            // Nothing else is left where a displacement steers the load.
-            if let Some(found) = self.relax(step_run, request, recorder) {
-                return self.accept_relaxed(step_run, request, found, recorder);
+            // Nothing else is left where a displacement steers the load. A wide increment goes beyond what snaps.
+            let wide = size.max(step_run.fallback.floor());
+            step_run.schedule.resume(wide);
+            let increment = step_run.schedule.next().unwrap_or(request.increment);
+            let wide = IncrementRequest {
+                increment,
+                ..request
+            };
+            if let Some(found) = self.relax(step_run, wide, recorder) {
+                return self.accept_relaxed(step_run, wide, found, recorder);
             }
         }
         self.give_up(step_run, request, rejection);
