@@ -39,7 +39,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Chooses the next attempt after a rejection; false if none is left, see [`Self::give_up`].
+    /// Chooses the next attempt after a rejection; false if none is left.
     pub(in crate::solve) fn reject(
         &mut self,
         step_run: &mut StepRun,
@@ -81,8 +81,10 @@ impl Run<'_> {
         {
             answer = step_run.fallback.rejected(rejection, size, true);
         }
-        if answer == Answer::NextMethod {
-            self.change_method(step_run, request, rejection, recorder);
+        match answer {
+            Answer::Cut => {}
+            Answer::NextMethod => self.change_method(step_run, request, rejection, recorder),
+            Answer::GiveUp => self.give_up(step_run, request, rejection),
         }
         answer != Answer::GiveUp
     }
@@ -136,12 +138,7 @@ impl Run<'_> {
     }
 
     /// Ends the run for lack of equilibrium.
-    pub(super) fn give_up(
-        &mut self,
-        step_run: &StepRun,
-        request: IncrementRequest,
-        rejection: &Rejection,
-    ) {
+    fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
         self.summary.iterations += step_run.attempts.solves;
         self.tally(&step_run.newton);
         self.summary.status = Status::NotConverged;

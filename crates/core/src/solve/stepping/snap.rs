@@ -43,9 +43,6 @@ const RELAX_AGAIN: f64 = 0.2;
 /// Largest n of the 2ⁿ troubles in which no relaxation is tried after n + 1 that failed.
 const MOST_LOST: u32 = 5;
 
-/// Number of relaxations in a row after which a step gives up.
-const MOST_IN_A_ROW: usize = 10;
-
 /// Relaxations of a step. One that fails takes some hundred solves, so those that fail in a row are tried ever less
 /// often, as paths are (docs/theory/procedures.md, Algorithm).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -65,11 +62,6 @@ impl Relaxations {
             Method::Relaxation => self.in_a_row + 1,
             _ => 0,
         };
-    }
-
-    /// Whether one more relaxation may follow the last ones before a step gives up.
-    fn may_go_on(self, procedure: Procedure) -> bool {
-        procedure == Procedure::DisplacementControl && self.in_a_row < MOST_IN_A_ROW
     }
 
     /// Whether this trouble is passed over.
@@ -118,25 +110,7 @@ impl<'m> Run<'m> {
                 }
             }
         }
-        if self.reject(step_run, request, rejection, recorder) {
-            return Ok(true);
-        }
-        let linear = matches!(rejection, Rejection::Linear { .. });
-        if !linear && step_run.snap.relaxations.may_go_on(step_run.step.procedure) {
-            // Nothing else is left where a displacement steers the load. A wide increment goes beyond what snaps.
-            let wide = size.max(step_run.fallback.floor());
-            step_run.schedule.resume(wide);
-            let increment = step_run.schedule.next().unwrap_or(request.increment);
-            let wide = IncrementRequest {
-                increment,
-                ..request
-            };
-            if let Some(found) = self.relax(step_run, wide, recorder) {
-                return self.accept_relaxed(step_run, wide, found, recorder);
-            }
-        }
-        self.give_up(step_run, request, rejection);
-        Ok(false)
+        Ok(self.reject(step_run, request, rejection, recorder))
     }
 
     /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
