@@ -4,6 +4,7 @@ use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::{Half, Masonry, Unit};
 use super::schema::{Deck, DeckArch, DeckBlock, Names};
+use super::stones::FileStones;
 use crate::element::hexahedron::Face;
 use crate::error::{ErrorKind, ModelError};
 use std::collections::{HashMap, HashSet};
@@ -39,6 +40,10 @@ pub(super) struct NameRegistry {
     bodies: HashMap<String, Range<usize>>,
     /// Units at each side of a wall, by the name of the wall. `[face]`
     sides: HashMap<String, [Vec<usize>; 6]>,
+    /// Faces at each side of a block of a file, by the index of the block; none for hexahedra. `[face]`
+    stones: HashMap<usize, [Vec<usize>; 6]>,
+    /// Names of blocks of files that were not read.
+    unread: Vec<String>,
     /// Imports by name.
     imports: HashMap<String, Brought>,
     /// Names in order, for advice; without those of single units.
@@ -52,11 +57,11 @@ const MOST_NAMES: f64 = 1e6;
 
 impl NameRegistry {
     /// Registers all names of a deck and returns an error for each duplicate; none if there are too many names.
-    /// `imports`: none if their files are not read.
+    /// `files`: imports and blocks of files (`[block]`); none if their files are not read.
     pub(super) fn call(
         deck: &Deck,
         walls: &[Masonry<'_>],
-        imports: Option<&[Imported]>,
+        files: Option<(&[Imported], &[Option<FileStones>])>,
     ) -> Option<(Self, Vec<ModelError>)> {
         let copies = deck.blocks.iter().map(|block| {
             let copies = block.copies.unwrap_or([1; 3]).map(f64::from);
@@ -89,7 +94,8 @@ impl NameRegistry {
             }
         }
         for (index, block) in deck.blocks.iter().enumerate() {
-            if !roll.add_block(block) {
+            let stones = files.map(|(_, stones)| stones[index].as_ref());
+            if !roll.add_block(block, stones) {
                 twice.push(two_blocks(&format!("blocks.{index}.name"), &block.name));
             }
         }
@@ -100,7 +106,7 @@ impl NameRegistry {
             }
         }
         for (i, import) in deck.imports.iter().enumerate() {
-            let imported = imports.and_then(|all| all.get(i));
+            let imported = files.and_then(|(all, _)| all.get(i));
             roll.add_import(&import.name, imported);
         }
         if let Some(arch) = &deck.arch
@@ -119,8 +125,19 @@ impl NameRegistry {
     }
 
     /// Adds a block, or its copies and the block; returns false if a name is taken.
-    fn add_block(&mut self, block: &DeckBlock) -> bool {
+    /// `stones`: those of its file; none if files are not read.
+    fn add_block(&mut self, block: &DeckBlock, stones: Option<Option<&FileStones>>) -> bool {
         let first = self.count;
+        if block.file.is_some() {
+            return match stones.flatten() {
+                Some(stones) => self.add_stones(block, stones),
+                None => {
+                    self.names.push(block.name.clone());
+                    self.unread.push(block.name.clone());
+                    true
+                }
+            };
+        }
         let names = match block.stack {
             Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
             None => names_of_copies(&block.name, block.copies),
@@ -128,6 +145,24 @@ impl NameRegistry {
         let new = self.add_all(names);
         let is_group = block.copies.is_some() || block.stack.is_some();
         (!is_group || self.group(&block.name, first)) && new
+    }
+
+    /// Adds the blocks of a file, and the names that mean several of them; returns false if a name is taken.
+    fn add_stones(&mut self, block: &DeckBlock, stones: &FileStones) -> bool {
+        let first = self.count;
+        let new = self.add_all(stones.all.iter().map(|stone| stone.name.clone()));
+        for (i, stone) in stones.all.iter().enumerate() {
+            if let Some(sides) = &stone.sides {
+                self.stones.insert(first + i, sides.clone());
+            }
+        }
+        let mut new = self.group(&block.name, first) && new;
+        for (name, range) in &stones.groups {
+            self.names.push(name.clone());
+            let all = first + range.start..first + range.end;
+            new &= self.bodies.insert(name.clone(), all).is_none();
+        }
+        new
     }
 
     /// Adds the stones of an arch; returns false if a name is taken.
@@ -314,30 +349,18 @@ impl NameRegistry {
         if let Some(places) = self.of_import(deck, path, name, faces) {
             return places;
         }
-        let (body, face) =
-            match name.rsplit_once('.') {
-                None if faces => {
-                    return Err(deck
-                        .error(
-                            path,
-                            format!("`{name}` is no face"),
-                            &format!("say which: {name}.top, {name}.left, ..."),
-                        )
-                        .of_kind(ErrorKind::UnknownName));
-                }
-                None => (name, None),
-                Some((body, face)) => {
-                    let known = Face::ALL.iter().find(|(known, _)| *known == face);
-                    let Some((_, known)) = known else {
-                        return Err(deck.error(
-                        path,
-                        format!("`{name}`: a block has no face `{face}`"),
-                        "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
-                    ).of_kind(ErrorKind::UnknownName));
-                    };
-                    (body, Some(*known as usize))
-                }
-            };
+        if self.unread.iter().any(|of| {
+            let rest = name.strip_prefix(of.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
+        }) {
+            return Ok(Vec::new());
+        }
+        if !self.stones.is_empty()
+            && let Some((body, side)) = name.rsplit_once(".side-")
+        {
+            return self.side_of_stones(deck, path, body, side);
+        }
+        let (body, face) = split_face(deck, path, name, faces)?;
         let place = |body: usize| Place { body, face };
         if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
             if sides[face].is_empty() {
@@ -355,7 +378,64 @@ impl NameRegistry {
         }
         let range = self.bodies.get(body).cloned();
         let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
-        Ok(range.map(place).collect())
+        let Some(side) = face.filter(|_| range.clone().any(|b| self.stones.contains_key(&b)))
+        else {
+            return Ok(range.map(place).collect());
+        };
+        let mut places = Vec::new();
+        for body in range {
+            match self.stones.get(&body) {
+                Some(sides) => {
+                    let of_side = sides[side].iter();
+                    places.extend(of_side.map(|face| Place {
+                        body,
+                        face: Some(*face),
+                    }));
+                }
+                None => places.push(place(body)),
+            }
+        }
+        if places.is_empty() {
+            let message = format!("`{name}`: no face of the stone looks that way");
+            let help = "name another side, or one of its faces: side-0, side-1, ...";
+            return Err(deck
+                .error(path, message, help)
+                .of_kind(ErrorKind::UnknownName));
+        }
+        Ok(places)
+    }
+
+    /// Face `side` of each block of a file that `body` denotes.
+    fn side_of_stones(
+        &self,
+        deck: &Deck,
+        path: &str,
+        body: &str,
+        side: &str,
+    ) -> Result<Vec<Place>, ModelError> {
+        let range = self.bodies.get(body).cloned();
+        let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
+        let mut places = Vec::new();
+        for body in range {
+            let count = self
+                .stones
+                .get(&body)
+                .map_or(0, |sides| sides.iter().map(Vec::len).sum());
+            let face = side.parse().ok().filter(|face: &usize| *face < count);
+            places.extend(face.map(|face| Place {
+                body,
+                face: Some(face),
+            }));
+        }
+        if places.is_empty() {
+            let message = format!("`{body}` has no face `side-{side}`");
+            let help = "stones with other shapes than a hexahedron have side-0, side-1, ...; all have left, right, front, \
+                        back, bottom, top";
+            return Err(deck
+                .error(path, message, help)
+                .of_kind(ErrorKind::UnknownName));
+        }
+        Ok(places)
     }
 
     fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {
@@ -369,6 +449,33 @@ impl NameRegistry {
         );
         deck.error(path, format!("there is no block named `{name}`"), &help)
             .of_kind(ErrorKind::UnknownName)
+    }
+}
+
+/// Body and index of its face that a name denotes.
+fn split_face<'n>(
+    deck: &Deck,
+    path: &str,
+    name: &'n str,
+    faces: bool,
+) -> Result<(&'n str, Option<usize>), ModelError> {
+    match name.rsplit_once('.') {
+        None if faces => {
+            let help = format!("say which: {name}.top, {name}.left, ...");
+            let error = deck.error(path, format!("`{name}` is no face"), &help);
+            Err(error.of_kind(ErrorKind::UnknownName))
+        }
+        None => Ok((name, None)),
+        Some((body, face)) => {
+            let known = Face::ALL.iter().find(|(known, _)| *known == face);
+            let known = known.ok_or_else(|| {
+                let message = format!("`{name}`: a block has no face `{face}`");
+                let help = "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)";
+                deck.error(path, message, help)
+                    .of_kind(ErrorKind::UnknownName)
+            })?;
+            Ok((body, Some(known.1 as usize)))
+        }
     }
 }
 
