@@ -6,7 +6,6 @@
 
 mod compas;
 mod dxf;
-pub mod export;
 pub(in crate::deck) mod hexes;
 mod hull;
 mod merge;

@@ -464,7 +464,10 @@ mod tests {
                 text("ply\n", "plx\n"),
                 " line 1: the first line is not `ply`",
             ),
-            (text("end_header\n", ""), " line 13: `0 0 0 9` is no line of a header"),
+            (
+                text("end_header\n", ""),
+                " line 13: `0 0 0 9` is no line of a header",
+            ),
             (
                 text("format ascii", "format morse"),
                 "no format that is known",

@@ -7,7 +7,7 @@
 use super::{Part, Place, Polygon, ShellError, Soup};
 use crate::deck::import::root;
 use crate::element::hexahedron::{cross, difference, dot, norm};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::TAU;
 
 /// A closed shell: each edge has two faces, which run along it in opposite directions.
@@ -40,8 +40,16 @@ pub(in crate::deck) fn split(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Shell>, ShellError> {
     let mut shells = Vec::new();
+    let mut repeated = 0;
     for part in &soup.parts {
-        shells.extend(Welded::of(soup, part).shells()?);
+        let welded = Welded::of(soup, part);
+        repeated += welded.repeated;
+        shells.extend(welded.shells()?);
+    }
+    if repeated > 0 {
+        notes.push(format!(
+            "{repeated} faces are there twice in their part: each counts once"
+        ));
     }
     if let Some(shell) = shells
         .iter()
@@ -118,6 +126,13 @@ pub(super) fn area_vector(vertices: &[[f64; 3]], face: &[u32]) -> [f64; 3] {
     sum
 }
 
+/// A face that begins with its least corner.
+fn turned(face: &[u32]) -> Vec<u32> {
+    let least = (0..face.len()).min_by_key(|i| face[*i]).unwrap_or_default();
+    let (end, begin) = face.split_at(least);
+    [begin, end].concat()
+}
+
 /// A part whose vertices with equal coordinates are one.
 struct Welded {
     name: Option<String>,
@@ -126,6 +141,8 @@ struct Welded {
     places: Vec<Place>,
     /// Whether its faces were reversed, because they look inwards.
     is_reversed: bool,
+    /// Number of faces that were there twice.
+    repeated: usize,
 }
 
 /// A face along an edge.
@@ -146,7 +163,9 @@ impl Welded {
             faces: Vec::new(),
             places: Vec::new(),
             is_reversed: false,
+            repeated: 0,
         };
+        let mut faces: FxHashSet<Vec<u32>> = FxHashSet::default();
         let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         for Polygon { corners, place } in &part.faces {
             let mut face: Vec<u32> = Vec::with_capacity(corners.len());
@@ -165,9 +184,14 @@ impl Welded {
             if face.len() > 1 && face.first() == face.last() {
                 face.pop();
             }
-            if face.len() > 2 {
+            if face.len() < 3 {
+                continue;
+            }
+            if faces.insert(turned(&face)) {
                 welded.faces.push(face);
                 welded.places.push(*place);
+            } else {
+                welded.repeated += 1;
             }
         }
         if volume(&welded.vertices, &welded.faces) < 0.0 {
@@ -390,6 +414,17 @@ mod tests {
     }
 
     #[test]
+    fn faces_that_are_there_twice_count_once() {
+        let mut soup = boxes(&[UNIT]);
+        let mut again = soup.parts[0].faces.clone();
+        again[0].corners.rotate_left(1);
+        soup.parts[0].faces.extend(again);
+        let mut notes = Vec::new();
+        assert_eq!(split(&soup, &mut notes).unwrap().len(), 1);
+        assert!(notes[0].contains("6 faces are there twice"), "{notes:?}");
+    }
+
+    #[test]
     fn inverted_shells_are_reversed_only_if_all_are() {
         let turned = |soup: &mut Soup, faces: std::ops::Range<usize>| {
             soup.parts[0].faces[faces]
@@ -426,7 +461,8 @@ mod tests {
         assert!(error.message.contains("`wall` is open"), "{error}");
         assert!(error.message.contains("1) mm"), "{error}");
         let mut soup = boxes(&[UNIT]);
-        let inner = soup.parts[0].faces[5].clone();
+        let mut inner = soup.parts[0].faces[5].clone();
+        inner.corners.pop();
         soup.parts[0].faces.push(inner);
         let error = split(&soup, &mut Vec::new()).unwrap_err();
         assert!(error.message.contains("odd number"), "{error}");

@@ -1,1 +1,0 @@
-//! Writes the skins of bodies as closed shells of quadrilaterals: OBJ, PLY, STL.
