@@ -18,5 +18,6 @@ mod reading;
 mod scatter;
 mod scenes;
 mod schema;
+mod stone_files;
 mod strategies;
 mod wall;

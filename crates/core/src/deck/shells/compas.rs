@@ -4,9 +4,9 @@
 //! `vertices` and `faces` (polyhedra). They are found at any depth, so that the many forms of assemblies need no reader
 //! of their own. Interfaces between blocks are passed over.
 
-use serde_json::{Map, Value};
 use std::collections::HashMap;
 
+use super::json::{Json, get};
 use super::{Count, Part, Place, Polygon, ShellError, Soup};
 use crate::deck::import::numbers::is_sound;
 
@@ -28,9 +28,12 @@ const GENERIC: [&str; 4] = ["Mesh", "Block", "Box", "Polyhedron"];
 /// Objects whose keys are those of blocks.
 const NODES: [&str; 4] = ["node", "vertex", "blocks", "elements"];
 
+/// A key of an object with its value.
+type Entry = (Box<str>, Json);
+
 /// Reads the contents of a file.
 pub(super) fn read(bytes: &[u8]) -> Result<Soup, ShellError> {
-    let value: Value = serde_json::from_slice(bytes).map_err(|why| {
+    let value: Json = serde_json::from_slice(bytes).map_err(|why| {
         let help = "write the assembly again by compas.json_dump";
         ShellError::new(
             Place::Line(why.line() as u32),
@@ -58,55 +61,45 @@ struct Finder {
 
 impl Finder {
     /// Adds the meshes of a value. `name`: key of the node in which it is.
-    fn visit(&mut self, value: &Value, name: Option<&str>) -> Result<(), ShellError> {
+    fn visit(&mut self, value: &Json, name: Option<&str>) -> Result<(), ShellError> {
         match value {
-            Value::Array(items) => items.iter().try_for_each(|item| self.visit(item, name)),
-            Value::Object(object) => self.object(object, name),
+            Json::List(items) => items.iter().try_for_each(|item| self.visit(item, name)),
+            Json::Object(object) => self.object(object, name),
             _ => Ok(()),
         }
     }
 
-    fn object(
-        &mut self,
-        object: &Map<String, Value>,
-        name: Option<&str>,
-    ) -> Result<(), ShellError> {
-        if object.get("transformation").is_some_and(|t| !t.is_null()) {
+    fn object(&mut self, object: &[Entry], name: Option<&str>) -> Result<(), ShellError> {
+        if get(object, "transformation").is_some_and(|t| !matches!(t, Json::Null)) {
             return Err(wrong(
                 name,
                 "it has a transformation, which is not read",
                 "apply the transformations before you write the file",
             ));
         }
-        if let (Some(Value::Object(vertex)), Some(Value::Object(face))) =
-            (object.get("vertex"), object.get("face"))
-        {
-            let own = object.get("attributes").and_then(|a| a.get("name"));
-            let own = own.and_then(Value::as_str).filter(|n| !GENERIC.contains(n));
-            let name = name.or(own);
-            let keys = sorted(vertex);
-            let points = keys.iter().map(|key| (key.as_str(), &vertex[key.as_str()]));
-            let faces = sorted(face);
-            let faces = faces.iter().map(|key| &face[key.as_str()]);
-            return self.mesh(name, points, faces);
+        let of = |key: &str| get(object, key);
+        if let (Some(Json::Object(vertex)), Some(Json::Object(face))) = (of("vertex"), of("face")) {
+            let own = of("attributes").and_then(|a| a.get("name"));
+            let own = own.and_then(Json::text).filter(|n| !GENERIC.contains(n));
+            let faces = sorted(face).into_iter().map(|(_, face)| face);
+            return self.mesh(name.or(own), sorted(vertex).into_iter(), faces);
         }
-        if let (Some(Value::Array(vertices)), Some(Value::Array(faces))) =
-            (object.get("vertices"), object.get("faces"))
+        if let (Some(Json::List(vertices)), Some(Json::List(faces))) = (of("vertices"), of("faces"))
         {
             let keys: Vec<String> = (0..vertices.len()).map(|i| i.to_string()).collect();
             let points = keys.iter().map(String::as_str).zip(vertices);
             return self.mesh(name, points, faces.iter());
         }
-        for key in sorted(object) {
-            if PASSED.contains(&key.as_str()) {
+        for (key, value) in sorted(object) {
+            if PASSED.contains(&key) {
                 continue;
             }
-            match &object[key.as_str()] {
-                Value::Object(nodes) if NODES.contains(&key.as_str()) => {
-                    for node in sorted(nodes) {
+            match value {
+                Json::Object(nodes) if NODES.contains(&key) => {
+                    for (node, value) in sorted(nodes) {
                         // Elements of models have random keys of 36 characters.
-                        let own = (node.len() < 36).then_some(node.as_str());
-                        self.visit(&nodes[node.as_str()], own.or(name))?;
+                        let own = (node.len() < 36).then_some(node);
+                        self.visit(value, own.or(name))?;
                     }
                 }
                 value => self.visit(value, name)?,
@@ -118,18 +111,14 @@ impl Finder {
     fn mesh<'a>(
         &mut self,
         name: Option<&str>,
-        points: impl Iterator<Item = (&'a str, &'a Value)>,
-        faces: impl Iterator<Item = &'a Value>,
+        points: impl Iterator<Item = (&'a str, &'a Json)>,
+        faces: impl Iterator<Item = &'a Json>,
     ) -> Result<(), ShellError> {
         let mut index = HashMap::new();
         for (key, point) in points {
-            let x = coordinates(point).ok_or_else(|| {
-                wrong(
-                    name,
-                    &format!("vertex {key} has no finite x, y, z"),
-                    "write the mesh again",
-                )
-            })?;
+            let message = || format!("vertex {key} has no finite x, y, z");
+            let x = coordinates(point)
+                .ok_or_else(|| wrong(name, &message(), "write the mesh again"))?;
             index.insert(key.to_owned(), self.soup.vertices.len() as u32);
             self.soup.vertices.push(x);
         }
@@ -138,12 +127,15 @@ impl Finder {
             faces: Vec::new(),
         };
         for face in faces {
-            let corner = |key: &Value| match key {
-                Value::String(key) => index.get(key).copied(),
-                key => index.get(&key.as_u64()?.to_string()).copied(),
+            let corner = |key: &Json| match key {
+                Json::Text(key) => index.get(&**key).copied(),
+                // Whole numbers are written without a fraction.
+                key => index.get(&key.number()?.to_string()).copied(),
             };
-            let corners = face.as_array().map(Vec::as_slice).unwrap_or_default();
-            let corners: Option<Vec<u32>> = corners.iter().map(corner).collect();
+            let corners: Option<Vec<u32>> = match face {
+                Json::List(corners) => corners.iter().map(corner).collect(),
+                _ => None,
+            };
             let corners = corners.filter(|c| !c.is_empty()).ok_or_else(|| {
                 wrong(
                     name,
@@ -167,19 +159,22 @@ fn wrong(name: Option<&str>, message: &str, help: &str) -> ShellError {
     ShellError::new(Place::Whole, format!("{of}: {message}"), help)
 }
 
-/// Keys in the order of their numbers, then the others by the alphabet.
-fn sorted(object: &Map<String, Value>) -> Vec<String> {
-    let mut keys: Vec<String> = object.keys().cloned().collect();
-    keys.sort_by_cached_key(|key| (key.parse::<u64>().unwrap_or(u64::MAX), key.clone()));
-    keys
+/// Entries in the order of the numbers of their keys, then the others by the alphabet.
+fn sorted(object: &[Entry]) -> Vec<(&str, &Json)> {
+    let mut entries: Vec<(&str, &Json)> =
+        object.iter().map(|(key, value)| (&**key, value)).collect();
+    entries.sort_by_cached_key(|(key, _)| (key.parse::<u64>().unwrap_or(u64::MAX), key.to_owned()));
+    entries
 }
 
 /// Coordinates of a vertex: `{x, y, z}` or `[x, y, z]`.
-fn coordinates(point: &Value) -> Option<[f64; 3]> {
-    let number = |value: Option<&Value>| value.and_then(Value::as_f64).filter(|x| is_sound(*x));
-    let of = |d: usize| match point {
-        Value::Array(items) => number(items.get(d)),
-        point => number(point.get(["x", "y", "z"][d])),
+fn coordinates(point: &Json) -> Option<[f64; 3]> {
+    let of = |d: usize| {
+        let value = match point {
+            Json::List(items) => items.get(d)?,
+            point => point.get(["x", "y", "z"][d])?,
+        };
+        value.number().filter(|x| is_sound(*x))
     };
     Some([of(0)?, of(1)?, of(2)?])
 }

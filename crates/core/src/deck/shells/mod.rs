@@ -8,6 +8,7 @@ mod compas;
 mod dxf;
 pub(in crate::deck) mod hexes;
 mod hull;
+mod json;
 mod merge;
 mod obj;
 mod ply;
@@ -26,7 +27,7 @@ use std::path::Path;
 /// Size limit of a file of shells [bytes]: some 1,300,000 triangles of a binary STL.
 const MOST_BYTES: u64 = 1 << 26;
 
-/// Size limit of a JSON file [bytes]: its values take up to 16 times its size.
+/// Size limit of a JSON file [bytes]: its values take up to some 20 times its size.
 const MOST_OF_JSON: u64 = 1 << 25;
 
 /// Largest number of faces of a file, and of corners of these faces.

@@ -19,6 +19,9 @@ pub(in crate::deck) struct Polyhedron {
 /// metres with three decimals round a stone of 250 mm to 0.002 of its size.
 pub(super) const FLAT: f64 = 2e-3;
 
+/// The same distance where faces that are merged with the first one have outlines with holes.
+const FINE: f64 = 1e-7;
+
 /// Distance by which a corner may lie outside the plane of a face, over the size of the stone.
 const CONVEX: f64 = 5e-3;
 
@@ -51,8 +54,7 @@ impl Polyhedron {
         not_convex: NotConvex,
     ) -> Result<(Self, f64), ShellError> {
         let size = volume(&shell.vertices, &shell.faces).cbrt();
-        let own = merged(&shell.vertices, &shell.faces, FLAT * size);
-        let own = own.and_then(|own| own.require_convex(size).map(|()| own));
+        let own = Self::merged(&shell.vertices, &shell.faces, size);
         let why = match own {
             Ok(own) => return Ok((own, 0.0)),
             Err(why) => why,
@@ -84,8 +86,7 @@ impl Polyhedron {
             );
         }
         let faces = hull(&shell.vertices).unwrap_or_default();
-        let hull = merged(&shell.vertices, &faces, FLAT * size);
-        match hull.and_then(|hull| hull.require_convex(size).map(|()| hull)) {
+        match Self::merged(&shell.vertices, &faces, size) {
             Ok(hull) => {
                 let more = hull.volume() - size.powi(3);
                 Ok((hull, more))
@@ -95,6 +96,15 @@ impl Polyhedron {
                 "write the stone again with fewer faces",
             ),
         }
+    }
+
+    /// The convex polyhedron of faces of which the coplanar ones are merged.
+    fn merged(vertices: &[[f64; 3]], faces: &[Vec<u32>], size: f64) -> Result<Self, Fault> {
+        // Curved surfaces of small faces have no plane regions of a simple outline: each face stays by itself.
+        let own = merged(vertices, faces, FLAT * size);
+        let own = own.or_else(|why| merged(vertices, faces, FINE * size).map_err(|_| why))?;
+        own.require_convex(size)?;
+        Ok(own)
     }
 
     /// Volume [mm³].

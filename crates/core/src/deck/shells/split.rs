@@ -40,11 +40,17 @@ pub(in crate::deck) fn split(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Shell>, ShellError> {
     let mut shells = Vec::new();
-    let mut repeated = 0;
+    let (mut repeated, mut turned) = (0, 0);
     for part in &soup.parts {
         let welded = Welded::of(soup, part);
         repeated += welded.repeated;
+        turned += welded.turned;
         shells.extend(welded.shells()?);
+    }
+    if turned > 0 {
+        notes.push(format!(
+            "{turned} faces run the other way round than their neighbours: they are turned outwards"
+        ));
     }
     if repeated > 0 {
         notes.push(format!(
@@ -143,6 +149,8 @@ struct Welded {
     is_reversed: bool,
     /// Number of faces that were there twice.
     repeated: usize,
+    /// Number of faces that were turned because their neighbours run the other way round.
+    turned: usize,
 }
 
 /// A face along an edge.
@@ -164,6 +172,7 @@ impl Welded {
             places: Vec::new(),
             is_reversed: false,
             repeated: 0,
+            turned: 0,
         };
         let mut faces: FxHashSet<Vec<u32>> = FxHashSet::default();
         let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -194,11 +203,75 @@ impl Welded {
                 welded.repeated += 1;
             }
         }
+        welded.orient();
         if volume(&welded.vertices, &welded.faces) < 0.0 {
             welded.is_reversed = true;
             welded.faces.iter_mut().for_each(|face| face.reverse());
         }
         welded
+    }
+
+    /// Turns faces so that neighbours at edges of two faces run in opposite directions along them, and shells have a
+    /// positive volume. Triangles of a hull or a scan often have no common sense of rotation. Parts whose faces have one
+    /// stay as they are.
+    fn orient(&mut self) {
+        let edges = self.half_edges();
+        let pairs = edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high));
+        let pairs = pairs.filter_map(|edge| match edge {
+            [a, b] => Some((a.face, b.face, a.is_forward == b.is_forward)),
+            _ => None,
+        });
+        let pairs: Vec<(u32, u32, bool)> = pairs.collect();
+        if !pairs.iter().any(|(.., is_wrong)| *is_wrong) {
+            return;
+        }
+        let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); self.faces.len()];
+        for (a, b, is_wrong) in pairs {
+            neighbours[a as usize].push((b, is_wrong));
+            neighbours[b as usize].push((a, is_wrong));
+        }
+        let mut is_met = vec![false; self.faces.len()];
+        for seed in 0..self.faces.len() {
+            if is_met[seed] {
+                continue;
+            }
+            is_met[seed] = true;
+            let mut shell = vec![(seed as u32, false)];
+            let mut at = 0;
+            while let Some((f, is_turned)) = shell.get(at).copied() {
+                at += 1;
+                for (g, is_wrong) in &neighbours[f as usize] {
+                    if !std::mem::replace(&mut is_met[*g as usize], true) {
+                        shell.push((*g, is_turned != *is_wrong));
+                    }
+                }
+            }
+            self.turn(&shell);
+        }
+    }
+
+    /// Turns the faces of a shell that are marked, or all others if the volume is positive then.
+    fn turn(&mut self, shell: &[(u32, bool)]) {
+        if !shell.iter().any(|(_, is_turned)| *is_turned) {
+            return;
+        }
+        for (f, _) in shell.iter().filter(|(_, is_turned)| *is_turned) {
+            self.faces[*f as usize].reverse();
+        }
+        let own: Vec<Vec<u32>> = shell
+            .iter()
+            .map(|(f, _)| self.faces[*f as usize].clone())
+            .collect();
+        let is_inwards = volume(&self.vertices, &own) < 0.0;
+        if is_inwards {
+            for (f, _) in shell {
+                self.faces[*f as usize].reverse();
+            }
+        }
+        self.turned += shell
+            .iter()
+            .filter(|(_, is_turned)| *is_turned != is_inwards)
+            .count();
     }
 
     fn half_edges(&self) -> Vec<HalfEdge> {
@@ -446,10 +519,19 @@ mod tests {
                 .contains("`wall` near (5.5, 0.5, 0.5) mm is turned inside out"),
             "{error}"
         );
-        let mut soup = boxes(&[UNIT]);
-        turned(&mut soup, 2..3);
-        let error = split(&soup, &mut Vec::new()).unwrap_err();
-        assert!(error.message.contains("opposite senses"), "{error}");
+        let mut soup = boxes(&[UNIT, [[5.0, 0.0, 0.0], [6.0, 1.0, 1.0]]]);
+        turned(&mut soup, 2..6);
+        let mut notes = Vec::new();
+        let shells = split(&soup, &mut notes).unwrap();
+        assert!(
+            shells
+                .iter()
+                .all(|s| (volume(&s.vertices, &s.faces) - 1.0).abs() < 1e-12)
+        );
+        assert!(
+            notes[0].contains("4 faces run the other way round"),
+            "{notes:?}"
+        );
     }
 
     #[test]
