@@ -193,10 +193,9 @@ impl Source<'_> {
     /// Divides a stone into elements.
     fn stone(&self, name: String, of: &Polyhedron) -> Result<Stone, ModelError> {
         let [x, y, z] = self.block.mesh;
-        if of.most_hexes() as f64 * f64::from(x) * f64::from(y) * f64::from(z)
-            > 100.0 * amount::MOST_ELEMENTS
-        {
-            self.require_few(0.0, f64::INFINITY)?;
+        let most = of.most_hexes() as f64 * [x, y, z].map(f64::from).iter().product::<f64>();
+        if most > 100.0 * amount::MOST_ELEMENTS {
+            self.require_few(0.0, most)?;
         }
         let folded = || {
             let message = format!(

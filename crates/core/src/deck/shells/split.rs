@@ -544,7 +544,7 @@ mod tests {
         assert!(error.message.contains("1) mm"), "{error}");
         let mut soup = boxes(&[UNIT]);
         let mut inner = soup.parts[0].faces[5].clone();
-        inner.corners.pop();
+        inner.corners.reverse();
         soup.parts[0].faces.push(inner);
         let error = split(&soup, &mut Vec::new()).unwrap_err();
         assert!(error.message.contains("odd number"), "{error}");
