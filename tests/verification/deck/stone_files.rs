@@ -164,7 +164,7 @@ fn an_arch_from_a_file_carries_as_much_as_the_arch_of_a_deck() {
     }
 }
 
-/// A regular prism of `n` sides of inner radius `r` between z = 0 and `h`, or a pyramid with its apex at `h`, as an OBJ.
+/// A regular prism of `n` sides of inner radius `r` between z = 0 and `h`, or a pyramid with its apex at `h`, as OBJ.
 fn regular(n: usize, r: f64, h: f64, is_pyramid: bool) -> String {
     let outer = r / (std::f64::consts::PI / n as f64).cos();
     let on = |i: usize, z: f64| {

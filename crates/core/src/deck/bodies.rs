@@ -78,14 +78,10 @@ impl<'a> Bodies<'a> {
         let refused = |(path, refusal): (String, masonry::Refusal)| refusal.at(deck, &path);
         let walls = masonry::lay_all(deck).map_err(refused)?;
         amount::require_countable(deck).map_err(refused)?;
-        let mut imports = Vec::new();
-        for i in 0..deck.imports.len() {
-            imports.extend(errors.keep(Imported::read(deck, i)));
-        }
-        let mut stones = Vec::new();
-        for i in 0..deck.blocks.len() {
-            stones.extend(errors.keep(FileStones::read(deck, i)));
-        }
+        let imports = (0..deck.imports.len()).map(|i| Imported::read(deck, i));
+        let imports: Vec<_> = imports.filter_map(|read| errors.keep(read)).collect();
+        let stones = (0..deck.blocks.len()).map(|i| FileStones::read(deck, i));
+        let stones: Vec<_> = stones.filter_map(|read| errors.keep(read)).collect();
         if imports.len() < deck.imports.len() || stones.len() < deck.blocks.len() {
             return errors.end(bodies); // the contents of the files are unknown
         }

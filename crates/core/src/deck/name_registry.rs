@@ -94,7 +94,7 @@ impl NameRegistry {
             }
         }
         for (index, block) in deck.blocks.iter().enumerate() {
-            let stones = files.map(|(_, stones)| stones[index].as_ref());
+            let stones = files.and_then(|(_, stones)| stones[index].as_ref());
             if !roll.add_block(block, stones) {
                 twice.push(two_blocks(&format!("blocks.{index}.name"), &block.name));
             }
@@ -126,17 +126,15 @@ impl NameRegistry {
 
     /// Adds a block, or its copies and the block; returns false if a name is taken.
     /// `stones`: those of its file; none if files are not read.
-    fn add_block(&mut self, block: &DeckBlock, stones: Option<Option<&FileStones>>) -> bool {
+    fn add_block(&mut self, block: &DeckBlock, stones: Option<&FileStones>) -> bool {
         let first = self.count;
         if block.file.is_some() {
-            return match stones.flatten() {
-                Some(stones) => self.add_stones(block, stones),
-                None => {
-                    self.names.push(block.name.clone());
-                    self.unread.push(block.name.clone());
-                    true
-                }
-            };
+            if let Some(stones) = stones {
+                return self.add_stones(block, stones);
+            }
+            self.names.push(block.name.clone());
+            self.unread.push(block.name.clone());
+            return true;
         }
         let names = match block.stack {
             Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),

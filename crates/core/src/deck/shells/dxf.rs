@@ -1,8 +1,8 @@
 //! DXF in ASCII: closed LWPOLYLINE entities, each the outline of a block, extruded by the deck's `thickness`.
 //!
-//! The group codes are read here: the crate `dxf` knows every entity, brings a dozen crates with it, and its errors name
-//! no line. An outline is an elevation: its x is the x of the scene, its y the z of the scene, and the blocks reach from
-//! y = 0 to y = thickness.
+//! The group codes are read here: the crate `dxf` knows every entity, brings a dozen crates with it, and its errors
+//! name no line. An outline is an elevation: its x is the x of the scene, its y the z of the scene, and the blocks reach
+//! from y = 0 to y = thickness.
 
 use super::{Count, Part, Place, Polygon, Reading, ShellError, Soup, WHOLE};
 use crate::deck::import::numbers::real;
@@ -46,11 +46,14 @@ pub(super) fn read(bytes: &[u8], reading: Reading) -> Result<Soup, ShellError> {
         soup: Soup::default(),
         // Coordinates are scaled by the unit later.
         thickness: thickness / reading.unit,
+        unit: reading.unit,
         count: Count::default(),
         others: BTreeMap::new(),
+        entity: Entity::default(),
+        is_inside: false,
+        is_ended: false,
+        is_unit: false,
     };
-    let mut entity = Entity::default();
-    let (mut is_inside, mut is_ended, mut unit) = (false, false, false);
     let mut lines = text.lines().enumerate();
     while let Some((i, code)) = lines.next() {
         let line = i as u32 + 1;
@@ -69,32 +72,9 @@ pub(super) fn read(bytes: &[u8], reading: Reading) -> Result<Soup, ShellError> {
                 WHOLE,
             ));
         };
-        let value = value.trim();
-        match (code, value) {
-            (0, "EOF") => is_ended = true,
-            (9, name) => unit = name == "$INSUNITS",
-            (70, number) if unit => {
-                unit = false;
-                reader.note_unit(number, reading.unit);
-            }
-            (2, "ENTITIES") if entity.kind == "SECTION" => is_inside = true,
-            _ => {}
-        }
-        if code == 0 {
-            let done = std::mem::take(&mut entity);
-            if is_inside {
-                reader.finish(done)?;
-            }
-            if value == "ENDSEC" {
-                is_inside = false;
-            }
-            entity.kind = value.to_owned();
-            entity.line = line;
-        } else if is_inside && entity.kind == "LWPOLYLINE" {
-            entity.group(code, value, line)?;
-        }
+        reader.group(code, value.trim(), line)?;
     }
-    if !is_ended {
+    if !reader.is_ended {
         let last = text.lines().count() as u32;
         return Err(ShellError::new(
             Place::Line(last),
@@ -139,11 +119,51 @@ struct Reader {
     count: Count,
     /// Number of entities of each other kind.
     others: BTreeMap<String, usize>,
+    /// Unit of length of the deck [mm].
+    unit: f64,
+    /// The entity that is being read.
+    entity: Entity,
+    /// Whether it is one of the section of entities.
+    is_inside: bool,
+    /// Whether the end of the file was met.
+    is_ended: bool,
+    /// Whether the last variable of the header is the unit.
+    is_unit: bool,
 }
 
 impl Reader {
+    /// Takes a group code with its value.
+    fn group(&mut self, code: i32, value: &str, line: u32) -> Result<(), ShellError> {
+        match (code, value) {
+            (0, "EOF") => self.is_ended = true,
+            (9, name) => self.is_unit = name == "$INSUNITS",
+            (70, number) if self.is_unit => {
+                self.is_unit = false;
+                self.note_unit(number);
+            }
+            (2, "ENTITIES") if self.entity.kind == "SECTION" => self.is_inside = true,
+            _ => {}
+        }
+        if code == 0 {
+            let next = Entity {
+                kind: value.to_owned(),
+                line,
+                ..Entity::default()
+            };
+            let done = std::mem::replace(&mut self.entity, next);
+            if self.is_inside {
+                self.finish(done)?;
+            }
+            self.is_inside &= value != "ENDSEC";
+        } else if self.is_inside && self.entity.kind == "LWPOLYLINE" {
+            self.entity.group(code, value, line)?;
+        }
+        Ok(())
+    }
+
     /// Warns about a unit that differs from that of the deck.
-    fn note_unit(&mut self, number: &str, unit: f64) {
+    fn note_unit(&mut self, number: &str) {
+        let unit = self.unit;
         let known = [
             ("1", "inch", 25.4),
             ("2", "ft", 304.8),

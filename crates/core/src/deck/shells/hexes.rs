@@ -3,8 +3,8 @@
 //! * A polyhedron with eight corners and six quadrilaterals is one hexahedron.
 //! * If three faces meet at each corner, each corner has one hexahedron: corner, middles of its three edges and of its
 //!   three faces, middle of the body.
-//! * Otherwise tetrahedra reach from the middle of the body to the triangles of the faces (those of a polygon reach from
-//!   its middle to its edges), and each has four hexahedra, one at each corner.
+//! * Otherwise tetrahedra reach from the middle of the body to the triangles of the faces (those of a polygon reach
+//!   from its middle to its edges), and each has four hexahedra, one at each corner.
 
 use super::polyhedron::Polyhedron;
 use crate::deck::import::has_volume;

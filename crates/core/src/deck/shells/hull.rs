@@ -2,7 +2,7 @@
 
 use super::polyhedron::Plane;
 use crate::element::hexahedron::{cross, difference, dot, norm};
-use rustc_hash::FxHashMap;
+use rustc_hash::FxHashSet;
 
 /// Points nearer to a face than this part of the extent lie in it.
 const NEAR: f64 = 1e-9;
@@ -26,21 +26,21 @@ pub(super) fn hull(points: &[[f64; 3]]) -> Option<Vec<Vec<u32>>> {
         }
         let sees = |plane: &Plane| plane.above(*x) > near;
         // Edges of faces that the point sees; those of one face only are the horizon.
-        let mut edges: FxHashMap<(u32, u32), ()> = FxHashMap::default();
+        let mut edges: FxHashSet<(u32, u32)> = FxHashSet::default();
         let mut order = Vec::new();
         faces.retain(|(face, plane)| {
             let seen = sees(plane);
             if seen {
                 for i in 0..3 {
                     let edge = (face[i], face[(i + 1) % 3]);
-                    edges.insert(edge, ());
+                    edges.insert(edge);
                     order.push(edge);
                 }
             }
             !seen
         });
         for (a, b) in order {
-            if !edges.contains_key(&(b, a)) {
+            if !edges.contains(&(b, a)) {
                 let face = [a, b, n as u32];
                 faces.push((face, plane(points, face)));
             }

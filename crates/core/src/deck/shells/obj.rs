@@ -57,14 +57,13 @@ impl Reader {
     fn line(&mut self, line: &str, place: Place) -> Result<(), ShellError> {
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match word {
-            "" => {}
             "v" => self.vertex(rest, place)?,
             "f" => self.face(rest, place)?,
             "o" | "g" if word == self.part => self.soup.parts.push(Part {
                 name: Some(rest.trim().to_owned()),
                 faces: Vec::new(),
             }),
-            "o" | "g" => {}
+            "" | "o" | "g" => {}
             ignored if IGNORED.contains(&ignored) => {}
             other => {
                 let other: String = other.chars().take(20).collect();

@@ -119,42 +119,19 @@ impl Header {
             };
             let line = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
             header.length += end + 1;
+            if header.lines == 1 {
+                if line != "ply" {
+                    return Err(wrong("the first line is not `ply`".to_owned()));
+                }
+                continue;
+            }
             let words: Vec<&str> = line.split_whitespace().collect();
             match words.as_slice() {
-                _ if header.lines == 1 => {
-                    if line != "ply" {
-                        return Err(wrong("the first line is not `ply`".to_owned()));
-                    }
-                }
-                [] | ["comment" | "obj_info", ..] => {}
-                ["format", name, _] => {
-                    form = match *name {
-                        "ascii" => Some(Form::Ascii),
-                        "binary_little_endian" => Some(Form::Little),
-                        "binary_big_endian" => Some(Form::Big),
-                        _ => None,
-                    };
-                }
-                ["element", name, count] => {
-                    let count = count
-                        .parse()
-                        .map_err(|_| wrong(format!("`{count}` is no number of elements")))?;
-                    header.elements.push(Element {
-                        name: (*name).to_owned(),
-                        count,
-                        properties: Vec::new(),
-                    });
-                }
-                ["property", rest @ ..] => {
-                    let property =
-                        property(rest).ok_or_else(|| wrong(format!("`{line}` is no property")))?;
-                    let element = header.elements.last_mut();
-                    let element =
-                        element.ok_or_else(|| wrong("a property of no element".to_owned()))?;
-                    element.properties.push(property);
-                }
                 ["end_header"] => break,
-                _ => return Err(wrong(format!("`{line}` is no line of a header"))),
+                ["format", "ascii", _] => form = Some(Form::Ascii),
+                ["format", "binary_little_endian", _] => form = Some(Form::Little),
+                ["format", "binary_big_endian", _] => form = Some(Form::Big),
+                words => header.element(words).map_err(wrong)?,
             }
         }
         header.form = form.ok_or_else(|| {
@@ -166,6 +143,33 @@ impl Header {
         })?;
         header.require_names()?;
         Ok(header)
+    }
+
+    /// Takes a line about an element or a property.
+    fn element(&mut self, words: &[&str]) -> Result<(), String> {
+        match words {
+            [] | ["comment" | "obj_info" | "format", ..] => {}
+            ["element", name, count] => {
+                let count = count
+                    .parse()
+                    .map_err(|_| format!("`{count}` is no number of elements"))?;
+                self.elements.push(Element {
+                    name: (*name).to_owned(),
+                    count,
+                    properties: Vec::new(),
+                });
+            }
+            ["property", rest @ ..] => {
+                let property = property(rest);
+                let property =
+                    property.ok_or_else(|| format!("`{}` is no property", words.join(" ")))?;
+                let element = self.elements.last_mut();
+                let element = element.ok_or("a property of no element")?;
+                element.properties.push(property);
+            }
+            _ => return Err(format!("`{}` is no line of a header", words.join(" "))),
+        }
+        Ok(())
     }
 
     /// Requires coordinates and corners.
@@ -230,12 +234,11 @@ impl Source<'_> {
 
     /// Rejects more elements than there can be in the rest of the file.
     fn require_room(&self, element: &Element) -> Result<(), ShellError> {
-        let one: usize = match self.form {
-            Form::Ascii => 1,
-            _ => {
-                let size = |p: &Property| p.list.unwrap_or(p.kind).size();
-                element.properties.iter().map(size).sum()
-            }
+        let size = |p: &Property| p.list.unwrap_or(p.kind).size();
+        let one: usize = if self.form == Form::Ascii {
+            1
+        } else {
+            element.properties.iter().map(size).sum()
         };
         let left = self.bytes.len() - self.at;
         if element

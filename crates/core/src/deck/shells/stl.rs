@@ -78,27 +78,46 @@ fn binary(bytes: &[u8], counted: Option<u32>) -> Result<Soup, ShellError> {
 
 fn ascii(bytes: &[u8]) -> Result<Soup, ShellError> {
     let text = String::from_utf8_lossy(bytes);
-    let mut soup = Soup::default();
-    let mut counter = Count::default();
-    let mut open = false;
-    let mut corners = Vec::new();
+    let mut reader = Ascii::default();
     let mut last = 0;
     for (i, line) in text.lines().enumerate() {
         last = i as u32 + 1;
-        let place = Place::Line(last);
-        let line = line.trim();
+        reader.line(line.trim(), Place::Line(last))?;
+    }
+    if reader.is_open || !reader.corners.is_empty() {
+        return Err(ShellError::new(
+            Place::Line(last),
+            "`endsolid` is missing",
+            WHOLE,
+        ));
+    }
+    Ok(reader.soup)
+}
+
+#[derive(Default)]
+struct Ascii {
+    soup: Soup,
+    counter: Count,
+    /// Whether a solid was begun and not ended.
+    is_open: bool,
+    /// Corners of the current facet.
+    corners: Vec<u32>,
+}
+
+impl Ascii {
+    fn line(&mut self, line: &str, place: Place) -> Result<(), ShellError> {
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match word.to_ascii_lowercase().as_str() {
             "" | "facet" | "outer" | "endloop" => {}
             "solid" => {
-                open = true;
+                self.is_open = true;
                 let name = rest.trim();
-                soup.parts.push(Part {
+                self.soup.parts.push(Part {
                     name: (!name.is_empty()).then(|| name.to_owned()),
                     faces: Vec::new(),
                 });
             }
-            "endsolid" => open = false,
+            "endsolid" => self.is_open = false,
             "vertex" => {
                 let x: Option<Vec<f64>> = rest.split_whitespace().map(real).collect();
                 let Some([x, y, z]) = x.as_deref() else {
@@ -108,40 +127,35 @@ fn ascii(bytes: &[u8]) -> Result<Soup, ShellError> {
                         "vertex and three finite numbers: vertex 0.5 0 1.25",
                     ));
                 };
-                corners.push(soup.vertices.len() as u32);
-                soup.vertices.push([*x, *y, *z]);
+                self.corners.push(self.soup.vertices.len() as u32);
+                self.soup.vertices.push([*x, *y, *z]);
             }
-            "endfacet" => {
-                counter.add(corners.len(), place)?;
-                let corners = std::mem::take(&mut corners);
-                if let (Some(part), 3) = (soup.parts.last_mut(), corners.len()) {
-                    part.faces.push(Polygon { corners, place });
-                } else {
-                    return Err(ShellError::new(
-                        place,
-                        format!("a facet of {} corners", corners.len()),
-                        "each facet has three lines `vertex`",
-                    ));
-                }
-            }
+            "endfacet" => self.facet(place)?,
             other => {
                 let other: String = other.chars().take(20).collect();
-                return Err(ShellError::new(
-                    place,
-                    format!("`{other}` is no word of an ASCII STL file"),
-                    "write the file again; solid, facet, outer loop, vertex, endloop, endfacet and endsolid are read",
-                ));
+                let help = "write the file again; solid, facet, outer loop, vertex, endloop, endfacet and endsolid \
+                            are read";
+                let message = format!("`{other}` is no word of an ASCII STL file");
+                return Err(ShellError::new(place, message, help));
             }
         }
+        Ok(())
     }
-    if open || !corners.is_empty() {
-        return Err(ShellError::new(
-            Place::Line(last),
-            "`endsolid` is missing",
-            WHOLE,
-        ));
+
+    /// Adds the facet that ends here.
+    fn facet(&mut self, place: Place) -> Result<(), ShellError> {
+        let corners = std::mem::take(&mut self.corners);
+        self.counter.add(corners.len(), place)?;
+        if let (Some(part), 3) = (self.soup.parts.last_mut(), corners.len()) {
+            part.faces.push(Polygon { corners, place });
+            return Ok(());
+        }
+        Err(ShellError::new(
+            place,
+            format!("a facet of {} corners", corners.len()),
+            "each facet has three lines `vertex`",
+        ))
     }
-    Ok(soup)
 }
 
 #[cfg(test)]

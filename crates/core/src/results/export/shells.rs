@@ -1,7 +1,7 @@
 //! Bodies at rest as closed shells: OBJ, PLY, STL.
 //!
-//! Each body is the shell of its boundary facets [mm]. Numbers have all their digits, so that `[[blocks]] file` reads the
-//! same bodies back.
+//! Each body is the shell of its boundary facets [mm]. Numbers have all their digits, so that `[[blocks]] file` reads
+//! the same bodies back.
 
 use std::fmt::Write as _;
 
