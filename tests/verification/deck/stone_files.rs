@@ -560,4 +560,7 @@ fn the_dome_of_the_examples_stands_and_has_its_stones() {
     assert_eq!(model.mesh.names.len(), 26);
     // The keystone has 16 corners.
     assert_eq!(model.mesh.elements.len(), 24 + 16 + 1);
+    // It stands at 25 degrees, as the limit analysis says.
+    let factor = analyse(&model, &LimitSettings::default()).unwrap().factor;
+    assert!(factor > 25.0_f64.to_radians().tan(), "{factor}");
 }
