@@ -48,9 +48,13 @@ impl Polyhedron {
         let mut divider = Divider::of(self);
         if is_simple {
             divider.at_corners();
-        } else {
-            divider.by_tetrahedra();
+            // Slivers may fold the hexahedra of corners, and not those of tetrahedra.
+            if divider.hexes.first_folded().is_none() {
+                return Division::Several(divider.hexes);
+            }
+            divider = Divider::of(self);
         }
+        divider.by_tetrahedra();
         Division::Several(divider.hexes)
     }
 
