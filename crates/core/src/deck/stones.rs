@@ -8,7 +8,7 @@ use super::schema::{Deck, DeckBlock, NotConvex};
 use super::shells::hexes::{Division, Hexes, sides};
 use super::shells::polyhedron::{self, WARPED};
 use super::shells::{Polyhedron, Reading, Shell, ShellError, Soup, split};
-use crate::element::hexahedron::{Corners, is_upright, range};
+use crate::element::hexahedron::{Corners, range};
 use crate::error::{ErrorKind, ModelError, Warning};
 use crate::model::mesh::Mesh;
 use std::borrow::Cow;
@@ -208,16 +208,11 @@ impl Source<'_> {
                 .of_kind(ErrorKind::Mesh)
         };
         match of.divided() {
-            Division::One(corners) => {
-                if !is_upright(&corners) {
-                    return Err(folded());
-                }
-                Ok(Stone {
-                    name,
-                    division: Division::One(corners),
-                    sides: None,
-                })
-            }
+            Division::One(corners) => Ok(Stone {
+                name,
+                division: Division::One(corners),
+                sides: None,
+            }),
             Division::Several(hexes) => {
                 if hexes.first_folded().is_some() {
                     return Err(folded());

@@ -1,6 +1,7 @@
 //! Divides convex polyhedra into hexahedra with common nodes.
 //!
-//! * A polyhedron with eight corners and six quadrilaterals is one hexahedron.
+//! * A polyhedron with eight corners and six quadrilaterals is one hexahedron, unless its faces are warped so much that
+//!   it is folded at a corner.
 //! * If three faces meet at each corner, each corner has one hexahedron: corner, middles of its three edges and of its
 //!   three faces, middle of the body.
 //! * Otherwise tetrahedra reach from the middle of the body to the triangles of the faces (those of a polygon reach
@@ -8,7 +9,7 @@
 
 use super::polyhedron::Polyhedron;
 use crate::deck::import::has_volume;
-use crate::element::hexahedron::{Corners, Face, PLACES, norm};
+use crate::element::hexahedron::{Corners, Face, PLACES, is_upright, norm};
 use rustc_hash::FxHashMap;
 
 /// Hexahedra of a polyhedron.
@@ -42,6 +43,7 @@ impl Polyhedron {
         let quads = self.faces.iter().all(|face| face.len() == 4);
         if let (true, true, 8) = (is_simple, quads, self.corners.len())
             && let Some(corners) = self.hexahedron()
+            && is_upright(&corners)
         {
             return Division::One(corners);
         }
