@@ -281,11 +281,7 @@ fn open_inverted_and_concave_stones_are_named() {
             .mesh,
     );
     let said = |text: &str, keys: &str| squeezed(&refused("s.obj", text.as_bytes(), keys));
-    let last = base
-        .lines()
-        .filter(|line| line.starts_with('f'))
-        .next_back()
-        .unwrap();
+    let last = base.lines().rfind(|line| line.starts_with('f')).unwrap();
     let open = said(&base.replace(last, ""), "");
     assert!(
         open.contains("s.obj line")
