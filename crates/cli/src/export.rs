@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use wythe_core::deck::Deck;
 use wythe_core::model::Model;
-use wythe_core::results::export::{frame_name, inp, table, vtu};
+use wythe_core::results::export::{frame_name, inp, shells, table, vtu};
 use wythe_core::results::output::{DECK, spare_inputs};
 use wythe_core::results::snapshot::Snapshots;
 use wythe_core::results::{FrameChoice, RunFolder, Snapshot};
@@ -35,11 +35,12 @@ pub fn export(arguments: &Export) -> Result<(), Failure> {
         None => arguments.folder.join("export"),
     };
     let mut written: Vec<PathBuf> = Vec::new();
-    if arguments.to == Format::Inp {
-        let name = "model.inp";
-        let (text, inputs) = model(&folder, arguments)?;
-        spare_inputs(&out, [name], &inputs)?;
-        written.push(write(&out, name, text.as_bytes())?);
+    if is_at_rest(arguments.to) {
+        let (files, inputs) = model(&folder, arguments)?;
+        spare_inputs(&out, files.iter().map(|(name, _)| *name), &inputs)?;
+        for (name, text) in files {
+            written.push(write(&out, name, text.as_bytes())?);
+        }
     } else {
         let snapshots = Snapshots::open(&folder)?;
         let frames = match arguments.frame.unwrap_or(Frames::One(FrameChoice::Last)) {
@@ -73,7 +74,7 @@ fn tell(written: &[PathBuf]) -> Result<(), Failure> {
 fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     if arguments.frame.is_some() || arguments.to == Format::Csv {
         return Err(Failure::Model(miette::miette!(
-            help = "name the folder of a run for frames and tables; of a model there are --to inp and --to vtu",
+            help = "name the folder of a run for frames and tables; of a model there are inp, vtu, obj, ply and stl",
             "{} is a model: nothing has moved yet",
             path.display()
         )));
@@ -84,13 +85,7 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
         Some(out) => out.clone(),
         None => path.with_extension("export"),
     };
-    let files = match arguments.to {
-        Format::Vtu => vec![
-            ("model.vtu", vtu::model(&model)),
-            ("model_surfaces.vtu", vtu::surfaces(&model)),
-        ],
-        _ => vec![("model.inp", inp::inp(&model))],
-    };
+    let files = at_rest(arguments.to, &model);
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     spare_inputs(&out, names, &deck.inputs())?;
     let mut written = Vec::new();
@@ -99,6 +94,28 @@ fn scene(path: &Path, arguments: &Export) -> Result<(), Failure> {
     }
     tell(&written)
 }
+
+/// Whether a format has a model at rest, and no frames.
+fn is_at_rest(format: Format) -> bool {
+    !matches!(format, Format::Vtu | Format::Csv)
+}
+
+/// Files of a model at rest.
+fn at_rest(format: Format, model: &Model) -> ModelFiles {
+    match format {
+        Format::Vtu => vec![
+            ("model.vtu", vtu::model(model)),
+            ("model_surfaces.vtu", vtu::surfaces(model)),
+        ],
+        Format::Obj => vec![("model.obj", shells::obj(&model.mesh))],
+        Format::Ply => vec![("model.ply", shells::ply(&model.mesh))],
+        Format::Stl => vec![("model.stl", shells::stl(&model.mesh))],
+        Format::Inp | Format::Csv => vec![("model.inp", inp::inp(model))],
+    }
+}
+
+/// Files of a model: names and texts.
+type ModelFiles = Vec<(&'static str, String)>;
 
 /// Files of a frame: suffix of the name, and text.
 fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
@@ -119,12 +136,13 @@ fn files(format: Format, snapshot: &Snapshot) -> Vec<(&'static str, String)> {
     files
 }
 
-/// Abaqus text of the model in the folder's deck, and the input files of the model.
-fn model(folder: &RunFolder, arguments: &Export) -> Result<(String, Vec<PathBuf>), Failure> {
+/// Files of the model at rest in the folder's deck, and the input files of the model.
+fn model(folder: &RunFolder, arguments: &Export) -> Result<(ModelFiles, Vec<PathBuf>), Failure> {
     if arguments.frame.is_some() {
         return Err(Failure::Model(miette::miette!(
             help = "leave --frame out; deformed shapes are in --to vtu and --to csv",
-            "--to inp writes the model at rest, no frame of it"
+            "{} writes the model at rest, no frame of it",
+            format!("--to {:?}", arguments.to).to_lowercase()
         )));
     }
     if folder.deck()?.is_none() {
@@ -136,5 +154,5 @@ fn model(folder: &RunFolder, arguments: &Export) -> Result<(String, Vec<PathBuf>
     }
     let deck = folder.place(Deck::load(folder.path().join(DECK), &[])?);
     let (model, _) = Model::from_deck(&deck)?;
-    Ok((inp::inp(&model), deck.inputs()))
+    Ok((at_rest(arguments.to, &model), deck.inputs()))
 }

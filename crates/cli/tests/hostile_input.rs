@@ -34,6 +34,16 @@ fn devices_and_pipes_are_refused_at_once() {
         assert!(begun.elapsed() < LIMIT);
     }
     // Files that a deck names are read with the same checks.
+    std::fs::rename(&zero, folder.path().join("zero.stl")).unwrap();
+    let deck = folder.path().join("stones.toml");
+    std::fs::write(&deck, STONES.replace("FILE", "zero.stl")).unwrap();
+    let told = wythe(&["check", &deck.display().to_string()]);
+    assert!(
+        stderr(&told).contains("no regular file"),
+        "{}",
+        stderr(&told)
+    );
+    std::fs::rename(folder.path().join("zero.stl"), &zero).unwrap();
     for (key, name) in [
         ("output.experiment", "zero.toml"),
         ("steps.1.amplitude", "pipe.toml"),
@@ -45,6 +55,43 @@ fn devices_and_pipes_are_refused_at_once() {
             "{}",
             stderr(&told)
         );
+    }
+}
+
+/// A deck of the stones of a file.
+const STONES: &str = "format = 1\n[materials.stone]\nE = 5000\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[[blocks]]\n\
+                      name = \"s\"\nfile = \"FILE\"\nmaterial = \"stone\"\n[[supports]]\non = \"s\"\n[[steps]]\n\
+                      kind = \"gravity\"\n";
+
+#[test]
+fn files_of_stones_with_wrong_counts_end_in_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n\
+               property float z\nelement face 4000000000\nproperty list uint int vertex_indices\nend_header\n";
+    let mut stl = vec![b'x'; 84];
+    stl[80..].fill(0xff);
+    let objects = format!("[{}0]", "{\"a\":{}},".repeat(3_000_000));
+    for (name, contents, part) in [
+        (
+            "a.ply",
+            ply.as_bytes(),
+            "4000000000 elements `vertex` are announced",
+        ),
+        ("a.stl", &stl, "4294967295 triangles are announced"),
+        ("a.json", objects.as_bytes(), "no meshes"),
+        ("b.json", "[".repeat(1 << 20).as_bytes(), "no JSON"),
+        ("a.obj", &[0xff; 1 << 20], "is no statement"),
+    ] {
+        std::fs::write(folder.path().join(name), contents).unwrap();
+        let deck = folder.path().join("deck.toml");
+        std::fs::write(&deck, STONES.replace("FILE", name)).unwrap();
+        let begun = Instant::now();
+        let told = wythe(&["check", &deck.display().to_string()]);
+        assert_eq!(code(&told), 2, "{}", stderr(&told));
+        let said = stderr(&told).replace('│', " ");
+        let said: Vec<&str> = said.split_whitespace().collect();
+        assert!(said.join(" ").contains(part), "{said:?}");
+        assert!(begun.elapsed() < LIMIT, "{name}");
     }
 }
 

@@ -395,7 +395,12 @@ fn a_run_of_an_imported_mesh_is_exported_wherever_it_lies() {
 fn exports_are_written_and_damaged_files_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = text(folder.path());
-    for (format, frame, files) in [("csv", Some("peak"), 3), ("vtu", None, 2), ("inp", None, 1)] {
+    for (format, frame, files) in [
+        ("csv", Some("peak"), 3),
+        ("vtu", None, 2),
+        ("inp", None, 1),
+        ("obj", None, 1),
+    ] {
         let mut command = vec![
             "export",
             run().to_str().unwrap(),
@@ -415,7 +420,7 @@ fn exports_are_written_and_damaged_files_refused() {
     for (rest, exit, part) in [
         (&["--to", "vtu", "--frame", "999"][..], 2, "no frame 999"),
         (&["--to", "inp", "--frame", "peak"][..], 2, "at rest"),
-        (&["--to", "stl"][..], 2, "invalid value"),
+        (&["--to", "step"][..], 2, "invalid value"),
     ] {
         let output = wythe(&[&["export", &run_folder][..], rest].concat());
         assert_eq!(code(&output), exit);

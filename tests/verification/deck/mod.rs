@@ -20,5 +20,6 @@ mod scatter;
 mod scenes;
 mod schema;
 mod snap;
+mod stone_files;
 mod strategies;
 mod wall;

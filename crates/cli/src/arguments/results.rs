@@ -90,12 +90,15 @@ pub(super) const EXPORT_HELP: &str = "\
   inp  model.inp for Abaqus, at rest: nodes, C3D8, sets of units, materials, supports and beams, the materials \
 with their tables, surfaces with friction and stiffness, steps. The bond of the interfaces and what else Abaqus has no \
 words for stand in comments.
+  obj, ply, stl  model.obj, model.ply or model.stl: the bodies at rest as closed shells [mm], which [[blocks]] \
+file = \"model.obj\" reads back
 
-Of a model that was not run: inp; and vtu, as model.vtu (materials, units, courses, supports, beams) and \
+Of a model that was not run: inp, obj, ply and stl; and vtu, as model.vtu (materials, units, courses, supports, beams) and \
 model_surfaces.vtu (what may meet), into MODEL.export.
 
 Examples:
   wythe export wall.toml --to inp
+  wythe export wall.toml --to obj
   wythe export wall.toml --to vtu --set wall.mesh=fine
   wythe export wall.out --to vtu --frame all
   wythe export wall.out --to csv --frame peak --out tables
@@ -317,6 +320,12 @@ pub enum Format {
     Csv,
     /// Input file of Abaqus.
     Inp,
+    /// Closed shells of the bodies, Wavefront.
+    Obj,
+    /// Closed shells of the bodies, PLY.
+    Ply,
+    /// Closed shells of the bodies, STL.
+    Stl,
 }
 
 /// One frame or all.

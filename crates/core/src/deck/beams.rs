@@ -13,7 +13,7 @@ use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, Spring
 use super::rigid;
 use super::schema::{
     Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
-    StepKind, Turning,
+    NotConvex, StepKind, Turning,
 };
 use crate::element::hexahedron::range;
 use crate::error::{ErrorKind, Errors, ModelError};
@@ -171,6 +171,10 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
         rotate: None,
         corners: None,
         nodes: None,
+        file: None,
+        units: None,
+        thickness: None,
+        not_convex: NotConvex::Error,
         material: name.clone(),
         mesh: [1; 3],
         rigid: false,

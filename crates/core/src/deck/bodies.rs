@@ -10,6 +10,7 @@ use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
 use super::schema::{Deck, DeckBlock, Material, Names};
+use super::stones::FileStones;
 use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
@@ -33,7 +34,7 @@ pub(super) struct Bodies<'a> {
     pub(super) walls: Vec<Masonry<'a>>,
     /// Materials that are not in the deck, by name: those of imported files and of rigid-like bodies.
     brought: BTreeMap<String, Material>,
-    /// Warnings about imported files.
+    /// Warnings about files of meshes and of stones.
     pub(super) warnings: Vec<Warning>,
     /// Names of the bodies.
     roll: NameRegistry,
@@ -41,6 +42,8 @@ pub(super) struct Bodies<'a> {
     pub(super) velocity: Vec<[f64; 3]>,
     /// Facets that represent the other half where planes of symmetry cut joints.
     pub(super) mirrors: Vec<Mirror>,
+    /// Longest side of the rigid blocks of files [mm].
+    longest_of_files: f64,
     /// Number of nodes that the deck has named so far; a node counts as often as it is named.
     named: Cell<usize>,
 }
@@ -68,20 +71,23 @@ impl<'a> Bodies<'a> {
             roll: NameRegistry::default(),
             velocity: Vec::new(),
             mirrors: Vec::new(),
+            longest_of_files: 0.0,
             named: Cell::new(0),
         };
         let mut errors = Errors::default();
         let refused = |(path, refusal): (String, masonry::Refusal)| refusal.at(deck, &path);
         let walls = masonry::lay_all(deck).map_err(refused)?;
         amount::require_countable(deck).map_err(refused)?;
-        let mut imports = Vec::new();
-        for i in 0..deck.imports.len() {
-            imports.extend(errors.keep(Imported::read(deck, i)));
-        }
-        if imports.len() < deck.imports.len() {
+        let imports = (0..deck.imports.len()).map(|i| Imported::read(deck, i));
+        let imports: Vec<_> = imports.filter_map(|read| errors.keep(read)).collect();
+        let stones = (0..deck.blocks.len()).map(|i| FileStones::read(deck, i));
+        let stones: Vec<_> = stones.filter_map(|read| errors.keep(read)).collect();
+        if imports.len() < deck.imports.len() || stones.len() < deck.blocks.len() {
             return errors.end(bodies); // the contents of the files are unknown
         }
-        if let Some((roll, twice)) = NameRegistry::call(deck, &walls, Some(&imports)) {
+        bodies.longest_of_files = FileStones::longest_side(&stones, deck);
+        let files = (imports.as_slice(), stones.as_slice());
+        if let Some((roll, twice)) = NameRegistry::call(deck, &walls, Some(files)) {
             bodies.roll = roll;
             for error in twice {
                 errors.push(error);
@@ -91,8 +97,13 @@ impl<'a> Bodies<'a> {
             bodies.lay_wall(wall)?;
         }
         bodies.velocity.resize(bodies.mesh.nodes.len(), [0.0; 3]);
-        for (i, block) in deck.blocks.iter().enumerate() {
-            errors.keep(bodies.lay(i, block));
+        for ((i, block), stones) in deck.blocks.iter().enumerate().zip(stones) {
+            match stones {
+                Some(stones) => bodies.lay_stones(block, stones),
+                None => {
+                    errors.keep(bodies.lay(i, block));
+                }
+            }
         }
         for (import, said) in imports.into_iter().zip(&deck.imports) {
             bodies.lay_import(import);
@@ -249,6 +260,18 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
+    /// Adds the blocks of a file.
+    fn lay_stones(&mut self, block: &DeckBlock, stones: FileStones) {
+        let material = self.solid(&block.material, block.rigid);
+        for stone in &stones.all {
+            let body = stone.append(&mut self.mesh, block.mesh, material, |x| laid(block, x));
+            self.all.push(body);
+        }
+        let velocity = block.velocity.map(Quantity::get);
+        self.velocity.resize(self.mesh.nodes.len(), velocity);
+        self.warnings.extend(stones.warnings);
+    }
+
     /// Adds the bodies of an import. Materials keep the names of their file. If another import has a different
     /// material of the same name, the name of this import is put before it.
     fn lay_import(&mut self, import: Imported) {
@@ -314,7 +337,7 @@ impl<'a> Bodies<'a> {
     fn solid(&mut self, name: &str, rigid: bool) -> u16 {
         let (Some(own), Some(stiffness)) = (
             self.deck.materials.get(name).filter(|_| rigid),
-            rigid::stiffness(self.deck),
+            rigid::stiffness(self.deck, self.longest_of_files),
         ) else {
             return self.material(name);
         };

@@ -15,8 +15,9 @@ pub struct Body {
     pub number: u32,
     /// Range of its nodes in the mesh.
     pub nodes: Range<u32>,
-    /// Faces. A block or a unit has the six of [`Face::ALL`], in that order. An imported body has first the faces
-    /// of its boundary, then sets of its file, which may overlap these and each other.
+    /// Faces. A block or a unit has the six of [`Face::ALL`], in that order; a stone of a file that is no hexahedron has
+    /// those of its polygons. An imported body has first the faces of its boundary, then sets of its file, which may
+    /// overlap these and each other.
     pub faces: Vec<BodyFace>,
     /// Number of faces that make up its boundary.
     pub skin: usize,

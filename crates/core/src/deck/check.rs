@@ -4,6 +4,7 @@ use super::findings;
 use super::masonry::{self, Masonry};
 use super::quantity::{Frequency, Quantity};
 use super::schema::{Deck, DeckBeam, Interface, JointKind, Subdivision, Turning};
+use super::stones::FileStones;
 use super::symmetry::{self, Plane};
 use super::{rigid, scatter, tables, wall_defaults};
 use crate::error::Warning;
@@ -382,7 +383,7 @@ fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
         modulus,
         joint,
         side,
-    } = rigid::stiffness(deck)?;
+    } = rigid::stiffness(deck, of_files(deck))?;
     let names = model.materials.iter().map(|m| m.name.as_str());
     let is_rigid: Vec<bool> = names.map(|name| rigid::base(name) != name).collect();
     let elements = 0..model.mesh.elements.len();
@@ -401,6 +402,19 @@ fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
         units.len(),
         elements.len()
     ))
+}
+
+/// Longest side of the rigid blocks of files [mm].
+fn of_files(deck: &Deck) -> f64 {
+    let of_block = |i: usize| {
+        // Files that cannot be read are errors of the model.
+        let stones = deck.blocks[i]
+            .rigid
+            .then(|| FileStones::read(deck, i).ok().flatten());
+        stones.flatten()
+    };
+    let all: Vec<Option<FileStones>> = (0..deck.blocks.len()).map(of_block).collect();
+    FileStones::longest_side(&all, deck)
 }
 
 /// Notes on loading beams.

@@ -177,6 +177,10 @@ at = [0, 0, "50 mm"]  # of its lowest corner
 rotate = { axis = "y", angle = "30 deg" }
 corners = [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [0, 0, 9], [9, 0, 9], [9, 9, 9], [0, 9, 9]]
 nodes = "cylinder.csv"  # x, y, z in mm a line
+blocks.file => file = "stones.obj"  # or .ply, .stl, .json of COMPAS, .dxf with thickness
+blocks.units => units = "m"  # of the lengths in the file
+blocks.thickness => thickness = "200 mm"  # of outlines in a DXF file
+not_convex = "error"  # or "hull"
 material = "stone"
 blocks.mesh => mesh = [4, 2, 2]  # elements along x, y, z
 velocity = ["1 m/s", 0, 0]

@@ -1,9 +1,13 @@
 //! Names of a scene, and the bodies that each denotes.
 
+mod layers;
+mod stones;
+
 use super::imported::{Imported, Part};
 use super::keys;
 use super::masonry::{Half, Masonry, Unit};
 use super::schema::{Deck, DeckArch, DeckBlock, Names};
+use super::stones::FileStones;
 use crate::element::hexahedron::Face;
 use crate::error::{ErrorKind, ModelError};
 use std::collections::{HashMap, HashSet};
@@ -41,6 +45,10 @@ pub(super) struct NameRegistry {
     sides: HashMap<String, [Vec<usize>; 6]>,
     /// Units of the courses and storeys of walls, by name.
     layers: HashMap<String, Vec<usize>>,
+    /// Faces at each side of a block of a file, by the index of the block; none for hexahedra. `[face]`
+    stones: HashMap<usize, [Vec<usize>; 6]>,
+    /// Names of blocks of files that were not read.
+    unread: Vec<String>,
     /// Imports by name.
     imports: HashMap<String, Brought>,
     /// Names in order, for advice; without those of single units.
@@ -54,11 +62,11 @@ const MOST_NAMES: f64 = 1e6;
 
 impl NameRegistry {
     /// Registers all names of a deck and returns an error for each duplicate; none if there are too many names.
-    /// `imports`: none if their files are not read.
+    /// `files`: imports and blocks of files (`[block]`); none if their files are not read.
     pub(super) fn call(
         deck: &Deck,
         walls: &[Masonry<'_>],
-        imports: Option<&[Imported]>,
+        files: Option<(&[Imported], &[Option<FileStones>])>,
     ) -> Option<(Self, Vec<ModelError>)> {
         let copies = deck.blocks.iter().map(|block| {
             let copies = block.copies.unwrap_or([1; 3]).map(f64::from);
@@ -91,7 +99,8 @@ impl NameRegistry {
             }
         }
         for (index, block) in deck.blocks.iter().enumerate() {
-            if !roll.add_block(block) {
+            let stones = files.and_then(|(_, stones)| stones[index].as_ref());
+            if !roll.add_block(block, stones) {
                 twice.push(two_blocks(&format!("blocks.{index}.name"), &block.name));
             }
         }
@@ -102,7 +111,7 @@ impl NameRegistry {
             }
         }
         for (i, import) in deck.imports.iter().enumerate() {
-            let imported = imports.and_then(|all| all.get(i));
+            let imported = files.and_then(|(all, _)| all.get(i));
             roll.add_import(&import.name, imported);
         }
         if let Some(arch) = &deck.arch
@@ -121,8 +130,17 @@ impl NameRegistry {
     }
 
     /// Adds a block, or its copies and the block; returns false if a name is taken.
-    fn add_block(&mut self, block: &DeckBlock) -> bool {
+    /// `stones`: those of its file; none if files are not read.
+    fn add_block(&mut self, block: &DeckBlock, stones: Option<&FileStones>) -> bool {
         let first = self.count;
+        if block.file.is_some() {
+            if let Some(stones) = stones {
+                return self.add_stones(block, stones);
+            }
+            self.names.push(block.name.clone());
+            self.unread.push(block.name.clone());
+            return true;
+        }
         let names = match block.stack {
             Some(count) => (0..count).map(|k| format!("{}-{k}", block.name)).collect(),
             None => names_of_copies(&block.name, block.copies),
@@ -130,6 +148,24 @@ impl NameRegistry {
         let new = self.add_all(names);
         let is_group = block.copies.is_some() || block.stack.is_some();
         (!is_group || self.group(&block.name, first)) && new
+    }
+
+    /// Adds the blocks of a file, and the names that mean several of them; returns false if a name is taken.
+    fn add_stones(&mut self, block: &DeckBlock, stones: &FileStones) -> bool {
+        let first = self.count;
+        let new = self.add_all(stones.all.iter().map(|stone| stone.name.clone()));
+        for (i, stone) in stones.all.iter().enumerate() {
+            if let Some(sides) = &stone.sides {
+                self.stones.insert(first + i, sides.clone());
+            }
+        }
+        let mut new = self.group(&block.name, first) && new;
+        for (name, range) in &stones.groups {
+            self.names.push(name.clone());
+            let all = first + range.start..first + range.end;
+            new &= self.bodies.insert(name.clone(), all).is_none();
+        }
+        new
     }
 
     /// Adds the stones of an arch; returns false if a name is taken.
@@ -321,6 +357,17 @@ impl NameRegistry {
         if let Some(places) = self.of_import(deck, path, name, faces) {
             return places;
         }
+        if self.unread.iter().any(|of| {
+            let rest = name.strip_prefix(of.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '.']))
+        }) {
+            return Ok(Vec::new());
+        }
+        if !self.stones.is_empty()
+            && let Some((body, side)) = name.rsplit_once(".side-")
+        {
+            return self.side_of_stones(deck, path, body, side);
+        }
         let (body, face) = self.split(deck, path, name)?;
         if faces && face.is_none() {
             return Err(deck
@@ -351,60 +398,31 @@ impl NameRegistry {
         }
         let range = self.bodies.get(body).cloned();
         let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
-        Ok(range.map(place).collect())
-    }
-
-    /// Name of a body or group, and index of its face, if the name has one.
-    ///
-    /// # Errors
-    /// Unknown face, course or storey.
-    fn split<'n>(
-        &self,
-        deck: &Deck,
-        path: &str,
-        name: &'n str,
-    ) -> Result<(&'n str, Option<usize>), ModelError> {
-        if self.layers.contains_key(name) {
-            return Ok((name, None));
-        }
-        let Some((body, face)) = name.rsplit_once('.') else {
-            return Ok((name, None));
+        let Some(side) = face.filter(|_| range.clone().any(|b| self.stones.contains_key(&b)))
+        else {
+            return Ok(range.map(place).collect());
         };
-        let known = Face::ALL.iter().find(|(known, _)| *known == face);
-        if known.is_none() && !is_layer(face) {
+        let mut places = Vec::new();
+        for body in range {
+            match self.stones.get(&body) {
+                Some(sides) => {
+                    let of_side = sides[side].iter();
+                    places.extend(of_side.map(|face| Place {
+                        body,
+                        face: Some(*face),
+                    }));
+                }
+                None => places.push(place(body)),
+            }
+        }
+        if places.is_empty() {
+            let message = format!("`{name}`: no face of the stone looks that way");
+            let help = "name another side, or one of its faces: side-0, side-1, ...";
             return Err(deck
-                .error(
-                    path,
-                    format!("`{name}`: a block has no face `{face}`"),
-                    "left (-x), right (+x), front (-y), back (+y), bottom (-z), top (+z)",
-                )
+                .error(path, message, help)
                 .of_kind(ErrorKind::UnknownName));
         }
-        let whole = if known.is_some() { body } else { name };
-        let wall = whole.rsplit_once('.').filter(|(_, layer)| is_layer(layer));
-        if let Some((wall, _)) = wall.filter(|_| !self.layers.contains_key(whole)) {
-            return Err(self.unknown_layer(deck, path, whole, wall));
-        }
-        Ok((whole, known.map(|(_, face)| *face as usize)))
-    }
-
-    /// Error of a course or storey that a wall has not.
-    fn unknown_layer(&self, deck: &Deck, path: &str, name: &str, wall: &str) -> ModelError {
-        let count = |kind: &str, first: usize| {
-            (first..)
-                .take_while(|k| self.layers.contains_key(&format!("{wall}.{kind}-{k}")))
-                .count()
-        };
-        let help = match [count("course", 0), count("storey", 1)] {
-            [0, _] => "only walls have courses and storeys".to_owned(),
-            [courses, 0] => format!(
-                "courses 0 to {}; no storeys: `storeys` of the wall gives their heights",
-                courses - 1
-            ),
-            [courses, storeys] => format!("courses 0 to {}, storeys 1 to {storeys}", courses - 1),
-        };
-        deck.error(path, format!("there is no `{name}`"), &help)
-            .of_kind(ErrorKind::UnknownName)
+        Ok(places)
     }
 
     fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {
@@ -419,11 +437,6 @@ impl NameRegistry {
         deck.error(path, format!("there is no block named `{name}`"), &help)
             .of_kind(ErrorKind::UnknownName)
     }
-}
-
-/// Whether a part of a name is that of a course or a storey.
-fn is_layer(name: &str) -> bool {
-    name.starts_with("course-") || name.starts_with("storey-")
 }
 
 /// NAME, or NAME-0-0-0, NAME-1-0-0, …, along x first.

@@ -172,6 +172,7 @@ fn path_of(deck: &Deck, bodies: &Bodies<'_>, body: usize) -> String {
     let block = index.and_then(|i: usize| deck.blocks.get(i));
     match block {
         Some(block) if block.corners.is_some() => format!("{table}.corners"),
+        Some(block) if block.file.is_some() => format!("{table}.file"),
         _ if table == "arch" => table,
         _ => format!("{table}.at"),
     }

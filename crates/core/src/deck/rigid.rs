@@ -36,7 +36,9 @@ fn arch(deck: &Deck) -> Option<&DeckArch> {
 
 /// Stiffness of the rigid-like bodies of a deck; none if there are no such bodies, or if no joint has an explicit
 /// stiffness.
-pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
+///
+/// `of_files`: longest side of the rigid blocks of files [mm].
+pub(super) fn stiffness(deck: &Deck, of_files: f64) -> Option<Stiffness> {
     if !any(deck) {
         return None;
     }
@@ -49,7 +51,7 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
         let arc = arch.centre_line() * arch.embrace() / f64::from(arch.voussoirs);
         [arch.thickness.get(), arch.width.get(), arc]
     });
-    let side = units.chain(blocks).chain(stones).fold(0.0, f64::max);
+    let side = units.chain(blocks).chain(stones).fold(of_files, f64::max);
     (joint > 0.0).then_some(Stiffness {
         modulus: STIFFER * joint * side,
         joint,
@@ -57,7 +59,7 @@ pub(super) fn stiffness(deck: &Deck) -> Option<Stiffness> {
     })
 }
 
-/// Sides of the bounding box of a block [mm]; 0 for a grid of nodes.
+/// Sides of the bounding box of a block [mm]; 0 for a grid of nodes and for blocks of a file.
 fn sides(block: &DeckBlock) -> [f64; 3] {
     let of_corners = block.corners.map(|corners| {
         [0, 1, 2].map(|d| {

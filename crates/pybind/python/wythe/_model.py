@@ -416,7 +416,7 @@ class Model:
     def _files(self) -> str:
         """The folder, if the model depends on a file in it; otherwise an empty text."""
         deck = self.to_dict()
-        named = any("nodes" in block for block in deck.get("blocks", ()))
+        named = any("nodes" in block or "file" in block for block in deck.get("blocks", ()))
         named = named or bool(deck.get("imports"))
         steps = deck.get("steps", ())
         named = named or any("ground" in step for step in steps)

@@ -71,6 +71,10 @@ def block(
     *,
     corners: Sequence[Sequence[Quantity]] | None = None,
     nodes: str | None = None,
+    file: str | None = None,
+    units: str | None = None,
+    thickness: Quantity | None = None,
+    not_convex: str | None = None,
     rotate: Mapping[str, Quantity] | None = None,
     mesh: Sequence[int] | None = None,
     rigid: bool | None = None,
@@ -80,8 +84,8 @@ def block(
     copies: Sequence[int] | None = None,
     pitch: Sequence[Quantity] | None = None,
 ) -> Part:
-    """A block: a box given by its size and lowest corner, a hexahedron given by its corners, or a grid of nodes from
-    a file. ``stack`` makes a column of this number of blocks, joined by ``interface``.
+    """A block: a box given by its size and lowest corner, a hexahedron given by its corners, a grid of nodes from a
+    file, or the stones of a file of closed shells. ``stack`` makes a column of this number of blocks, joined by ``interface``.
     """
     return _part(
         name=name,
@@ -90,6 +94,10 @@ def block(
         at=at,
         corners=corners,
         nodes=nodes,
+        file=file,
+        units=units,
+        thickness=thickness,
+        not_convex=not_convex,
         rotate=rotate,
         mesh=mesh,
         rigid=rigid,

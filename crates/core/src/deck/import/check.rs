@@ -111,7 +111,7 @@ impl ImportedMesh {
 }
 
 /// Returns whether the determinant of the Jacobian is positive at all eight points of 2 × 2 × 2 Gauss integration.
-fn has_volume(x: &[[f64; 3]; 8]) -> bool {
+pub(in crate::deck) fn has_volume(x: &[[f64; 3]; 8]) -> bool {
     let g = 1.0 / 3.0_f64.sqrt();
     CORNERS.iter().all(|at| {
         let at = at.map(|s| g * s);

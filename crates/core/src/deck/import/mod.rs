@@ -12,9 +12,10 @@ mod inp;
 mod material;
 mod msh;
 mod names;
-mod numbers;
+pub(in crate::deck) mod numbers;
 mod units;
 
+pub(in crate::deck) use check::has_volume;
 pub(in crate::deck) use facets::root;
 pub use facets::{Bodies, SIDES};
 pub use included::included;

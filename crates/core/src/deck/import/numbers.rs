@@ -4,12 +4,12 @@ use crate::deck::quantity::LARGEST;
 
 /// Returns whether a number is small enough in any unit: values of lengths and stresses may differ by 1e6 from
 /// those of wythe.
-fn is_sound(number: f64) -> bool {
+pub(in crate::deck) fn is_sound(number: f64) -> bool {
     number.abs() <= 1e6 * LARGEST
 }
 
 /// Parses a finite number: `1.`, `-.5`, `1e3`, Fortran's `1.D+03`.
-pub(super) fn real(text: &str) -> Option<f64> {
+pub(in crate::deck) fn real(text: &str) -> Option<f64> {
     let text = text.trim();
     let plain = text
         .bytes()

@@ -11,7 +11,8 @@ use serde_with::skip_serializing_none;
 use std::borrow::Cow;
 use std::fmt;
 
-/// A block of hex8: a box by its size, any hexahedron by its eight corners, or a grid of nodes.
+/// A block of hex8: a box by its size, any hexahedron by its eight corners, a grid of nodes, or the stones of a file.
+// More than 15 fields: they are the keys of a table of the deck.
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -29,6 +30,15 @@ pub struct DeckBlock {
     pub corners: Option<[[Length; 3]; 8]>,
     /// File of the nodes of its grid: x, y, z per line [mm], along x first, then y, then z.
     pub nodes: Option<String>,
+    /// File of closed shells, each a block of its own: OBJ, PLY, STL, JSON of COMPAS, or DXF.
+    pub file: Option<String>,
+    /// Unit of length of `file`; mm if it is not given.
+    pub units: Option<String>,
+    /// Thickness of the outlines of a DXF file [mm].
+    pub thickness: Option<Length>,
+    /// Treatment of shells of `file` that are not convex.
+    #[serde(default, skip_serializing_if = "NotConvex::is_error")]
+    pub not_convex: NotConvex,
     /// Material.
     pub material: String,
     /// Number of elements along x, y, z.
@@ -49,6 +59,27 @@ pub struct DeckBlock {
     pub copies: Option<[u32; 3]>,
     /// Distances between copies [mm].
     pub pitch: Option<[Length; 3]>,
+}
+
+/// Treatment of shells that are not convex.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotConvex {
+    /// They are errors that name the shell.
+    #[default]
+    Error,
+    /// Their convex hulls stand in their place, with a warning.
+    Hull,
+}
+
+impl NotConvex {
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde calls it by reference"
+    )]
+    fn is_error(&self) -> bool {
+        *self == Self::Error
+    }
 }
 
 /// A rotation about an axis, right-handed.

@@ -26,10 +26,12 @@ impl Deck {
             _ => None,
         });
         let nodes = self.blocks.iter().filter_map(|of| of.nodes.as_deref());
+        let stones = self.blocks.iter().filter_map(|of| of.file.as_deref());
         let imports = self.imports.iter().map(|of| of.file.as_str());
         let names = grounds
             .chain(amplitudes)
             .chain(nodes)
+            .chain(stones)
             .chain(imports)
             .chain(self.output.experiment.as_deref());
         names.map(|name| self.folder().join(name)).collect()

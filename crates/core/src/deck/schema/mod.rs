@@ -37,7 +37,7 @@ pub use crate::model::axis::Axis;
 pub use crate::model::probes::ProbeQuantity;
 pub use arch::DeckArch;
 pub use beams::{DeckBeam, Turning};
-pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, Rotation};
+pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, NotConvex, Rotation};
 pub use bounds::MOST_BYTES;
 pub use heading::Heading;
 pub use imports::DeckImport;

@@ -1,6 +1,7 @@
-//! Results of a run in other formats: VTU for VTK, CSV for spreadsheets, INP for Abaqus.
+//! Results of a run in other formats: VTU for VTK, CSV for spreadsheets, INP for Abaqus; bodies as closed shells.
 
 pub mod inp;
+pub mod shells;
 #[cfg(feature = "run-folder")]
 pub mod table;
 #[cfg(feature = "run-folder")]

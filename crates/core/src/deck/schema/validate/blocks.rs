@@ -1,10 +1,11 @@
 //! Ranges of `[[blocks]]`, `[arch]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`.
 
 use super::Checks;
+use crate::deck::import::Units;
 use crate::deck::keys;
 use crate::deck::quantity::{Length, Quantity};
 use crate::deck::rigid;
-use crate::deck::schema::{DeckArch, DeckBlock, Names};
+use crate::deck::schema::{DeckArch, DeckBlock, Names, NotConvex};
 use crate::error::{ErrorKind, ModelError};
 
 /// Rounded rises may exceed half the span by this fraction.
@@ -152,7 +153,7 @@ impl Checks<'_> {
             !block.rigid || block.nodes.is_none(),
             &key("rigid"),
             || "a grid of nodes is made to deform".to_owned(),
-            "rigid blocks have a `size` or `corners`",
+            "rigid blocks have a `size`, `corners` or a `file`",
         );
         self.column(path, block);
         self.known_material(&key("material"), &block.material);
@@ -167,6 +168,7 @@ impl Checks<'_> {
             ("size", block.size.is_some()),
             ("corners", block.corners.is_some()),
             ("nodes", block.nodes.is_some()),
+            ("file", block.file.is_some()),
         ];
         let given: Vec<&str> = shapes.iter().filter(|s| s.1).map(|s| s.0).collect();
         match (&block.size, &block.corners) {
@@ -191,12 +193,70 @@ impl Checks<'_> {
                 );
             }
             (None, None) => self.require(
-                block.nodes.is_some(),
+                block.nodes.is_some() || block.file.is_some(),
                 &key("size"),
-                || "neither `size` nor `corners` nor `nodes` is given".to_owned(),
+                || "neither `size` nor `corners` nor `nodes` nor `file` is given".to_owned(),
                 &keys::example("size"),
             ),
         }
+        self.file(path, block);
+    }
+
+    /// Checks the keys of blocks of a file. The file is checked when the model is built.
+    fn file(&mut self, path: &str, block: &DeckBlock) {
+        let key = |name: &str| format!("{path}.{name}");
+        let is_dxf = block
+            .file
+            .as_ref()
+            .is_some_and(|file| file.to_lowercase().ends_with(".dxf"));
+        for (name, given, wanted, of) in [
+            (
+                "units",
+                block.units.is_some(),
+                block.file.is_some(),
+                "a `file`",
+            ),
+            (
+                "not_convex",
+                block.not_convex != NotConvex::Error,
+                block.file.is_some(),
+                "a `file`",
+            ),
+            (
+                "thickness",
+                block.thickness.is_some(),
+                is_dxf,
+                "a `file` of outlines, a DXF",
+            ),
+        ] {
+            self.require(
+                !given || wanted,
+                &key(name),
+                || format!("this key belongs to {of}"),
+                &keys::example_at("blocks.file"),
+            );
+        }
+        self.require(
+            !is_dxf || block.thickness.is_some(),
+            &key("thickness"),
+            || "the key `thickness` is missing: outlines are extruded by it".to_owned(),
+            &keys::example_at("blocks.thickness"),
+        );
+        self.positive(&key("thickness"), block.thickness);
+        if let Some(Err(why)) = block.units.as_deref().map(Units::parse) {
+            self.demand(
+                false,
+                &key("units"),
+                || why,
+                &keys::example_at("blocks.units"),
+            );
+        }
+        self.require(
+            block.file.is_none() || block.copies.is_none(),
+            &key("copies"),
+            || "the blocks of a file stand once".to_owned(),
+            "name the file in several [[blocks]] with other `at`",
+        );
     }
 
     fn copies(&mut self, path: &str, block: &DeckBlock) {
