@@ -80,7 +80,7 @@ fn files_of_stones_with_wrong_counts_end_in_errors() {
         ("a.stl", &stl, "4294967295 triangles are announced"),
         ("a.json", objects.as_bytes(), "no meshes"),
         ("b.json", "[".repeat(1 << 20).as_bytes(), "no JSON"),
-        ("a.obj", &[0xff; 1 << 20], "is no statement"),
+        ("a.obj", &vec![0xff; 1 << 20], "is no statement"),
     ] {
         std::fs::write(folder.path().join(name), contents).unwrap();
         let deck = folder.path().join("deck.toml");

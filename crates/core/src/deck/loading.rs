@@ -38,23 +38,7 @@ pub(super) fn loading(
 ) -> Result<Loading, ModelError> {
     let top = clamped.is_some();
     let beams = beams(deck, bodies, clamped)?;
-    let names: Vec<&str> = beams.iter().map(|b| b.name.as_str()).collect();
-    let beam_of = |step: &DeckStep| match &step.face {
-        Some(faces) => {
-            let name = beam_name(faces);
-            names.iter().position(|n| **n == name)
-        }
-        // The top of the wall is the first beam.
-        None => match &step.settlement {
-            Some(name) => beams.iter().position(|b| b.settles() && b.name == *name),
-            None => (top && step.spring.is_none()).then_some(0),
-        },
-    };
-    // Ground is held until a step moves it.
-    let at_first = |beam: &Beam| match beam.settles() {
-        true => [BeamMotion::Locked; 3],
-        false => [BeamMotion::Force(0.0); 3],
-    };
+    let beam_of = |step: &DeckStep| beam_of(step, &beams, top);
     let mut now: Vec<[BeamMotion; 3]> = beams.iter().map(at_first).collect();
     let mut load = vec![[0.0; 3]; beams.len()];
     let mut gravity = GravityNow::none();
@@ -113,6 +97,27 @@ pub(super) fn loading(
         errors.keep(judged);
     }
     errors.end(Loading { beams, steps })
+}
+
+/// Index of the beam that a step moves, if any. `top`: whether the first one is the top of a clamped wall.
+fn beam_of(step: &DeckStep, beams: &[Beam], top: bool) -> Option<usize> {
+    if let Some(faces) = &step.face {
+        let name = beam_name(faces);
+        return beams.iter().position(|beam| beam.name == name);
+    }
+    match &step.settlement {
+        Some(name) => beams.iter().position(|b| b.settles() && b.name == *name),
+        None => (top && step.spring.is_none()).then_some(0),
+    }
+}
+
+/// Motion of a beam before the first step: ground is held until a step moves it.
+fn at_first(beam: &Beam) -> [BeamMotion; 3] {
+    if beam.settles() {
+        [BeamMotion::Locked; 3]
+    } else {
+        [BeamMotion::Force(0.0); 3]
+    }
 }
 
 /// Motion of the level beam of a wall in a step. A pressed beam moves vertically only. A driven beam stays level;

@@ -398,31 +398,10 @@ impl NameRegistry {
         }
         let range = self.bodies.get(body).cloned();
         let range = range.ok_or_else(|| self.unknown(deck, path, body))?;
-        let Some(side) = face.filter(|_| range.clone().any(|b| self.stones.contains_key(&b)))
-        else {
-            return Ok(range.map(place).collect());
-        };
-        let mut places = Vec::new();
-        for body in range {
-            match self.stones.get(&body) {
-                Some(sides) => {
-                    let of_side = sides[side].iter();
-                    places.extend(of_side.map(|face| Place {
-                        body,
-                        face: Some(*face),
-                    }));
-                }
-                None => places.push(place(body)),
-            }
+        match face.filter(|_| range.clone().any(|b| self.stones.contains_key(&b))) {
+            Some(side) => self.stones_towards(deck, path, name, (range, side)),
+            None => Ok(range.map(place).collect()),
         }
-        if places.is_empty() {
-            let message = format!("`{name}`: no face of the stone looks that way");
-            let help = "name another side, or one of its faces: side-0, side-1, ...";
-            return Err(deck
-                .error(path, message, help)
-                .of_kind(ErrorKind::UnknownName));
-        }
-        Ok(places)
     }
 
     fn unknown(&self, deck: &Deck, path: &str, name: &str) -> ModelError {

@@ -43,7 +43,7 @@ impl NameRegistry {
     /// Error of a course or storey that a wall has not.
     fn unknown_layer(&self, deck: &Deck, path: &str, name: &str, wall: &str) -> ModelError {
         let count = |kind: &str, first: usize| {
-            (first..)
+            (first..=usize::from(u16::MAX))
                 .take_while(|k| self.layers.contains_key(&format!("{wall}.{kind}-{k}")))
                 .count()
         };

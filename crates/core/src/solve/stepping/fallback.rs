@@ -83,61 +83,67 @@ pub struct Fallback {
     stalls: usize,
 }
 
+/// Methods of a step in the order in which they are tried; `all_has_mass` if inertia can act.
+fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> {
+    let softens = model.materials.iter().any(|m| m.parameters.yields());
+    let own = |method| MethodChoice {
+        method,
+        // Extrapolated solids are linear: their tangent is their secant.
+        tangent: if method == Method::Implex {
+            Tangent::Secant
+        } else {
+            step.tangent
+        },
+    };
+    let mut choices = vec![own(Method::of(step.procedure))];
+    if step.procedure == Procedure::Auto {
+        let path = own(Method::Dissipation);
+        if softens {
+            if step.tangent == Tangent::Secant {
+                choices.push(MethodChoice {
+                    method: Method::Static,
+                    tangent: Tangent::Consistent,
+                });
+            }
+            choices.push(path);
+            if step.tangent == Tangent::Secant {
+                choices.push(MethodChoice {
+                    tangent: Tangent::Consistent,
+                    ..path
+                });
+            }
+            choices.push(own(Method::Implex));
+        }
+        if step.tangent != Tangent::Direct {
+            choices.push(MethodChoice {
+                method: Method::Direct,
+                tangent: Tangent::Direct,
+            });
+        }
+        if !softens {
+            choices.push(path);
+        }
+        if all_has_mass {
+            choices.push(own(Method::QuasiStatic));
+        }
+        choices.push(own(Method::Static));
+    }
+    if step.procedure == Procedure::DisplacementControl
+        && softens
+        && step.tangent == Tangent::Secant
+    {
+        choices.push(MethodChoice {
+            method: Method::DisplacementControl,
+            tangent: Tangent::Consistent,
+        });
+    }
+    choices
+}
+
 impl Fallback {
     /// Fallback of a step; `all_has_mass` if inertia can act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
-        let softens = model.materials.iter().any(|m| m.parameters.yields());
-        let own = |method| MethodChoice {
-            method,
-            // Extrapolated solids are linear: their tangent is their secant.
-            tangent: if method == Method::Implex {
-                Tangent::Secant
-            } else {
-                step.tangent
-            },
-        };
-        let mut choices = vec![own(Method::of(step.procedure))];
-        if step.procedure == Procedure::Auto {
-            let path = own(Method::Dissipation);
-            if softens {
-                if step.tangent == Tangent::Secant {
-                    choices.push(MethodChoice {
-                        method: Method::Static,
-                        tangent: Tangent::Consistent,
-                    });
-                }
-                choices.push(path);
-                if step.tangent == Tangent::Secant {
-                    choices.push(MethodChoice {
-                        tangent: Tangent::Consistent,
-                        ..path
-                    });
-                }
-                choices.push(own(Method::Implex));
-            }
-            if step.tangent != Tangent::Direct {
-                choices.push(MethodChoice {
-                    method: Method::Direct,
-                    tangent: Tangent::Direct,
-                });
-            }
-            if !softens {
-                choices.push(path);
-            }
-            if all_has_mass {
-                choices.push(own(Method::QuasiStatic));
-            }
-            choices.push(own(Method::Static));
-        }
-        if step.procedure == Procedure::DisplacementControl
-            && softens
-            && step.tangent == Tangent::Secant
-        {
-            choices.push(MethodChoice {
-                method: Method::DisplacementControl,
-                tangent: Tangent::Consistent,
-            });
-        }
+        let choices = choices(model, step, all_has_mass);
         let first = choices[0].method;
         let statics = choices.iter().take_while(|choice| choice.method == first);
         Self {
@@ -331,7 +337,7 @@ impl Fallback {
         }
         match self.method() {
             Method::QuasiStatic | Method::Direct | Method::Static | Method::DisplacementControl => {
-                self.patience *= 2
+                self.patience *= 2;
             }
             Method::Dissipation => self.rising *= 2,
             _ => {}

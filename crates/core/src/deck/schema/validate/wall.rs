@@ -52,6 +52,7 @@ impl Checks<'_> {
         }
         self.clamping(path, wall);
         self.bond(path, wall);
+        self.snap(path, wall);
         self.materials_of_wall(path, wall);
     }
 
@@ -158,6 +159,18 @@ impl Checks<'_> {
         }
     }
 
+    /// Checks the length of the pieces that are joined to the units beside them.
+    fn snap(&mut self, path: &str, wall: &Wall) {
+        let key = |name: &str| format!("{path}.{name}");
+        let half = 0.5 * wall.unit[0].get();
+        self.require(
+            wall.snap.is_none_or(|most| most.get() >= 0.0 && most.get() <= half),
+            &key("snap"),
+            || "not between 0 and half a unit".to_owned(),
+            "snap = \"25 mm\": pieces shorter than this are joined to the units beside them; 0: none",
+        );
+    }
+
     /// Checks keys that belong to some bonds only.
     fn bond(&mut self, path: &str, wall: &Wall) {
         let key = |name: &str| format!("{path}.{name}");
@@ -176,13 +189,10 @@ impl Checks<'_> {
             "say bond = \"pattern\" and [[wall.pattern]] with leaves = [{ units = [204] }], one for each course",
         );
         let plain = matches!(bond, Bond::Stretcher | Bond::Stack);
+        let english = matches!(bond, Bond::English | Bond::EnglishCross);
         for (name, given, known) in [
             ("overlap", wall.overlap.is_some(), bond == Bond::Stretcher),
-            (
-                "leaves",
-                wall.leaves != 1,
-                plain || matches!(bond, Bond::English | Bond::EnglishCross),
-            ),
+            ("leaves", wall.leaves != 1, plain || english),
             (
                 "header_courses",
                 wall.header_courses.is_some(),
@@ -208,13 +218,6 @@ impl Checks<'_> {
             &key("header_courses"),
             || "courses of headers are every second one at least".to_owned(),
             "header_courses = 6",
-        );
-        let half = 0.5 * wall.unit[0].get();
-        self.require(
-            wall.snap.is_none_or(|most| most.get() >= 0.0 && most.get() <= half),
-            &key("snap"),
-            || "not between 0 and half a unit".to_owned(),
-            "snap = \"25 mm\": pieces shorter than this are joined to the units beside them; 0: none",
         );
         for (k, course) in wall.pattern.iter().enumerate() {
             self.positive(&key(&format!("pattern.{k}.height")), course.height);

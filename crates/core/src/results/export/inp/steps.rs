@@ -8,27 +8,7 @@ use crate::model::scene::{Beam, BeamMotion, Gravity, Procedure, Step};
 
 /// Writes beams as rigid bodies, supports, initial velocities and the steps.
 pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
-    let first = model.mesh.nodes.len() + 1;
-    let beams = model.beams.iter().zip(&names.beams).enumerate();
-    for (b, (beam, name)) in beams.filter(|(_, (beam, _))| !beam.settles()) {
-        let count = beam.nodes.len().max(1) as f64;
-        let middle = [0, 1, 2].map(|d| {
-            let x = beam.nodes.iter().map(|n| model.mesh.nodes[*n as usize][d]);
-            x.sum::<f64>() / count
-        });
-        let [x, y, z] = middle;
-        writeln!(text, "** What moves the beam {name}")?;
-        writeln!(
-            text,
-            "*NODE, NSET=REFERENCE_{name}\n{}, {x:?}, {y:?}, {z:?}",
-            first + b
-        )?;
-        writeln!(
-            text,
-            "*RIGID BODY, REF NODE={}, TIE NSET=BEAM_{name}",
-            first + b
-        )?;
-    }
+    rigid_bodies(text, model, names)?;
     for tie in &model.ties {
         let name = tie.name.replace('\n', " ");
         writeln!(text, "** Not translated: the tie {name}")?;
@@ -62,18 +42,39 @@ pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt
         procedure(text, step)?;
         writeln!(text, "*BOUNDARY, OP=NEW")?;
         held(text, model, names)?;
-        let beams = model
-            .beams
-            .iter()
-            .zip(&names.beams)
-            .zip(&mut at)
-            .enumerate();
-        for (b, ((beam, _), at)) in beams.filter(|(_, ((beam, _), _))| beam.settles()) {
+        let beams = model.beams.iter().zip(&mut at).enumerate();
+        for (b, (beam, at)) in beams.filter(|(_, (beam, _))| beam.settles()) {
             settle(text, beam, step.motion.get(b), at)?;
         }
         motion(text, step, (&model.beams, &names.beams), &mut at)?;
         loads(text, model, step)?;
         writeln!(text, "*END STEP")?;
+    }
+    Ok(())
+}
+
+/// Writes the beams as rigid bodies with a reference node each; ground that settles has none.
+fn rigid_bodies(text: &mut String, model: &Model, names: &Names) -> std::fmt::Result {
+    let first = model.mesh.nodes.len() + 1;
+    let beams = model.beams.iter().zip(&names.beams).enumerate();
+    for (b, (beam, name)) in beams.filter(|(_, (beam, _))| !beam.settles()) {
+        let count = beam.nodes.len().max(1) as f64;
+        let middle = [0, 1, 2].map(|d| {
+            let x = beam.nodes.iter().map(|n| model.mesh.nodes[*n as usize][d]);
+            x.sum::<f64>() / count
+        });
+        let [x, y, z] = middle;
+        writeln!(text, "** What moves the beam {name}")?;
+        writeln!(
+            text,
+            "*NODE, NSET=REFERENCE_{name}\n{}, {x:?}, {y:?}, {z:?}",
+            first + b
+        )?;
+        writeln!(
+            text,
+            "*RIGID BODY, REF NODE={}, TIE NSET=BEAM_{name}",
+            first + b
+        )?;
     }
     Ok(())
 }
