@@ -92,12 +92,8 @@ fn unknown_courses_and_storeys_are_named() {
     };
     let error = refused("", "", "wall.course-12.top");
     assert_eq!(error.key(), "supports.0.on");
-    assert!(
-        error
-            .to_string()
-            .contains("courses 0 to 11, storeys 1 to 2"),
-        "{error:?}"
-    );
+    let told = format!("{error:?}");
+    assert!(told.contains("courses 0 to 11, storeys 1 to 2"), "{told}");
     let error = refused("", "", "wall.course-3.up");
     assert!(format!("{error:?}").contains("no face `up`"), "{error}");
     let error = refused(
