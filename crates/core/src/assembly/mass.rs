@@ -20,8 +20,10 @@ use crate::model::Model;
 pub struct Mass {
     /// Mass of each node [tonne]. `[node]`
     pub node: Vec<f64>,
-    /// Mass that each generalised displacement moves [tonne]. `[slot]`
+    /// Mass that each generalised displacement moves [tonne], Σ w² m of its nodes, which make the parts w of it. `[slot]`
     pub slot: Vec<f64>,
+    /// The same for uniform accelerations [tonne], Σ w m. `[slot]`
+    lever: Vec<f64>,
     /// Direction of each slot's displacement. `[slot]`
     direction: Vec<u8>,
     /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
@@ -41,11 +43,17 @@ impl Mass {
             }
         }
         let mut slot = vec![0.0; dofs.slots];
-        let mut direction = vec![0; dofs.slots];
-        for (mass, slots) in node.iter().zip(&dofs.slot) {
+        let (mut lever, mut direction) = (slot.clone(), vec![0; dofs.slots]);
+        let mut part = dofs.sign.clone();
+        // The sign of an image is no part of a settlement.
+        for image in dofs.reflected() {
+            part[image.node as usize] = [1.0; 3];
+        }
+        for ((mass, slots), part) in node.iter().zip(&dofs.slot).zip(&part) {
             for (i, &s) in slots.iter().enumerate() {
                 if s != HELD {
-                    slot[s as usize] += mass;
+                    slot[s as usize] += part[i] * part[i] * mass;
+                    lever[s as usize] += part[i] * mass;
                     direction[s as usize] = i as u8;
                 }
             }
@@ -53,6 +61,7 @@ impl Mass {
         Self {
             node,
             slot,
+            lever,
             direction,
             elements: bulk.count,
         }
@@ -70,7 +79,7 @@ impl Mass {
 
     /// Inertia forces M a of a uniform acceleration [N]. `[slot]`
     pub fn forces(&self, acceleration: [f64; 3], forces: &mut [f64]) {
-        for ((f, m), &i) in forces.iter_mut().zip(&self.slot).zip(&self.direction) {
+        for ((f, m), &i) in forces.iter_mut().zip(&self.lever).zip(&self.direction) {
             *f = m * acceleration[i as usize];
         }
     }
