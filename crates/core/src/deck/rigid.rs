@@ -7,6 +7,8 @@
 use super::quantity::{Number, Pressure, Quantity};
 use super::schema::{Deck, DeckArch, DeckBlock, Material};
 use crate::element::hexahedron::range;
+use crate::model::Model;
+use crate::model::scene::NamedMaterial;
 
 /// Stiffness E/h of a rigid-like body over that of the stiffest joint: bodies add a hundredth to the compliance of
 /// joints.
@@ -42,8 +44,7 @@ pub(super) fn stiffness(deck: &Deck, of_files: f64) -> Option<Stiffness> {
     if !any(deck) {
         return None;
     }
-    let said = deck.interfaces.values().filter_map(|i| i.normal_stiffness);
-    let joint = said.map(Quantity::get).fold(0.0, f64::max);
+    let joint = stiffest_joint(deck);
     let walls = deck.walls().filter(|(_, _, wall)| wall.rigid);
     let units = walls.flat_map(|(_, _, wall)| wall.unit.map(Quantity::get));
     let blocks = deck.blocks.iter().filter(|b| b.rigid).flat_map(sides);
@@ -57,6 +58,30 @@ pub(super) fn stiffness(deck: &Deck, of_files: f64) -> Option<Stiffness> {
         joint,
         side,
     })
+}
+
+/// Stiffness of the rigid-like bodies of a model that was built from a deck; none if there are no such bodies.
+pub(super) fn of_model(deck: &Deck, model: &Model) -> Option<Stiffness> {
+    let is_rigid = |m: &&NamedMaterial| base(&m.name) != m.name;
+    let modulus = model
+        .materials
+        .iter()
+        .find(is_rigid)?
+        .parameters
+        .elastic()
+        .E;
+    let joint = stiffest_joint(deck);
+    Some(Stiffness {
+        modulus,
+        joint,
+        side: modulus / (STIFFER * joint),
+    })
+}
+
+/// Largest normal stiffness that an interface of the deck gives [N/mm³]; 0 if none does.
+fn stiffest_joint(deck: &Deck) -> f64 {
+    let said = deck.interfaces.values().filter_map(|i| i.normal_stiffness);
+    said.map(Quantity::get).fold(0.0, f64::max)
 }
 
 /// Sides of the bounding box of a block [mm]; 0 for a grid of nodes and for blocks of a file.

@@ -4,9 +4,9 @@ use super::amount;
 use super::body::{Body, BodyFace};
 use super::import::Units;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckBlock, NotConvex};
+use super::schema::{Deck, DeckBlock};
 use super::shells::hexes::{Division, Hexes, sides};
-use super::shells::polyhedron::{self, WARPED};
+use super::shells::polyhedron::WARPED;
 use super::shells::{Polyhedron, Reading, Shell, ShellError, Soup, split};
 use crate::element::hexahedron::{Corners, range};
 use crate::error::{ErrorKind, ModelError, Warning};
@@ -135,15 +135,11 @@ impl Source<'_> {
         names: &[String],
         notes: &mut Vec<String>,
     ) -> Result<Vec<Polyhedron>, ModelError> {
-        let not_convex = match self.block.not_convex {
-            NotConvex::Error => polyhedron::NotConvex::Error,
-            NotConvex::Hull => polyhedron::NotConvex::Hull,
-        };
         let mut polyhedra = Vec::with_capacity(shells.len());
         let (mut more, mut hulls) = (0.0, Vec::new());
         for (shell, name) in shells.iter().zip(names) {
             let (of, added) =
-                Polyhedron::of(shell, not_convex).map_err(|error| self.wrong(&error))?;
+                Polyhedron::of(shell, self.block.not_convex).map_err(|error| self.wrong(&error))?;
             if added > 0.0 {
                 more += added;
                 hulls.push(name.as_str());
@@ -356,21 +352,26 @@ impl Stone {
                 )
             }
             Division::Several(hexes) => {
-                let mut hexes = hexes.refined(cells[0]);
-                for x in &mut hexes.nodes {
-                    *x = laid(*x);
-                }
-                appended(&hexes, mesh, self.name.clone(), material)
+                let finer = (cells[0] > 1).then(|| hexes.refined(cells[0]));
+                let hexes = finer.as_ref().unwrap_or(hexes);
+                let nodes = hexes.nodes.iter().map(|x| laid(*x));
+                let first_node = mesh.nodes.len() as u32;
+                mesh.nodes.extend(nodes);
+                appended(hexes, mesh, first_node, (self.name.clone(), material))
             }
         }
     }
 }
 
-/// Appends elements as one body whose faces are `side-0`, ….
-fn appended(hexes: &Hexes, mesh: &mut Mesh, name: String, material: u16) -> Body {
+/// Appends elements, whose nodes are there from `first_node` on, as one body whose faces are `side-0`, ….
+fn appended(
+    hexes: &Hexes,
+    mesh: &mut Mesh,
+    first_node: u32,
+    (name, material): (String, u16),
+) -> Body {
     let number = mesh.unit.last().map_or(0, |u| u + 1);
-    let (first_node, first) = (mesh.nodes.len() as u32, mesh.elements.len());
-    mesh.nodes.extend(&hexes.nodes);
+    let first = mesh.elements.len();
     for element in &hexes.elements {
         mesh.elements.push(element.map(|n| first_node + n));
         mesh.material.push(material);

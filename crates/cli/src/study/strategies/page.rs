@@ -113,7 +113,6 @@ mod tests {
                 factor: 9e3,
                 force: Some(9.0),
                 live_load: "force along the drive".to_owned(),
-                gap: 1e-6,
             }),
             ..run(Strategy::Limit, 0.0)
         };

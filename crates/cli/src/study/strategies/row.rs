@@ -45,8 +45,6 @@ pub struct LimitLoad {
     pub force: Option<f64>,
     /// What the factor multiplies.
     pub live_load: String,
-    /// Relative distance to the factor of the mechanism [-].
-    pub gap: f64,
 }
 
 /// Figures of a run.

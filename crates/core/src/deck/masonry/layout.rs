@@ -154,12 +154,17 @@ struct Piece {
     courses: u32,
 }
 
-/// Computes the units of a wall from which `cuts` are removed. Short pieces are joined to their neighbours.
+/// Computes the units of a wall from which `cuts` are removed, and its lintels with these `spans`. Short pieces are
+/// joined to their neighbours.
 ///
 /// # Errors
 /// Sizes that are not compatible, openings that leave slivers without a neighbour.
-pub(super) fn lay(wall: &Wall, cuts: &[Cut], snapped: &mut Snapped) -> Result<Vec<Unit>, Refusal> {
-    let spans = openings::spans(wall, &mut Snapped::new(wall));
+pub(super) fn lay(
+    wall: &Wall,
+    cuts: &[Cut],
+    spans: &[[f64; 2]],
+    snapped: &mut Snapped,
+) -> Result<Vec<Unit>, Refusal> {
     let mut pattern = courses(wall)?;
     snap::join_bats(wall, &mut pattern, snapped);
     let sizes = Sizes::of(wall);

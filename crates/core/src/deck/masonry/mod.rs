@@ -71,11 +71,11 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
     let mut walls = Vec::new();
     for (i, (path, name, wall)) in deck.walls().enumerate() {
         let mut snapped = Snapped::new(wall);
-        let mut cuts =
-            openings::cuts(wall, &mut snapped).map_err(|refusal| (path.clone(), refusal))?;
+        let refused = |refusal| (path.clone(), refusal);
+        let spans = openings::spans(wall, &mut snapped).map_err(refused)?;
+        let mut cuts = openings::cuts(wall, &spans, &mut snapped);
         cuts.extend(plan.cuts[i].iter().cloned());
-        let units =
-            layout::lay(wall, &cuts, &mut snapped).map_err(|refusal| (path.clone(), refusal))?;
+        let units = layout::lay(wall, &cuts, &spans, &mut snapped).map_err(refused)?;
         if !wall.rigid {
             elements += require_countable(wall, &units, elements)
                 .map_err(|refusal| (path.clone(), refusal))?;

@@ -5,16 +5,9 @@ use super::layout::{Courses, Cut, Refusal};
 use super::snap::Snapped;
 use crate::deck::schema::{DeckLintel, DeckOpening, Wall};
 
-/// Cuts of the openings of a wall.
-///
-/// # Errors
-/// Openings outside of the wall, overlapping openings, lintels without bearing.
-pub(super) fn cuts(wall: &Wall, snapped: &mut Snapped) -> Result<Vec<Cut>, Refusal> {
+/// Cuts of the openings of a wall, whose lintels have these `spans`.
+pub(super) fn cuts(wall: &Wall, spans: &[[f64; 2]], snapped: &mut Snapped) -> Vec<Cut> {
     let mut cuts = Vec::new();
-    for (o, opening) in wall.openings.iter().enumerate() {
-        require_within(wall, opening, o)?;
-    }
-    let spans = spans(wall, snapped);
     for (o, opening) in wall.openings.iter().enumerate() {
         let key = |name: &str| format!("openings.{o}.{name}");
         let [from, to] = wall.edges(opening);
@@ -41,12 +34,18 @@ pub(super) fn cuts(wall: &Wall, snapped: &mut Snapped) -> Result<Vec<Cut>, Refus
             });
         }
     }
-    Ok(cuts)
+    cuts
 }
 
 /// Ranges of the lintels of a wall along it [mm]. A lintel reaches to the end of the wall, or to an opening or lintel
 /// beside it, if less than a piece of masonry lies between. `[opening]`
-pub(super) fn spans(wall: &Wall, snapped: &mut Snapped) -> Vec<[f64; 2]> {
+///
+/// # Errors
+/// Openings outside of the wall, overlapping openings.
+pub(super) fn spans(wall: &Wall, snapped: &mut Snapped) -> Result<Vec<[f64; 2]>, Refusal> {
+    for (o, opening) in wall.openings.iter().enumerate() {
+        require_within(wall, opening, o)?;
+    }
     let mut spans: Vec<[f64; 2]> = wall.openings.iter().map(|o| spanned(wall, o)).collect();
     let head = wall.head_joint.get();
     for (o, opening) in wall.openings.iter().enumerate() {
@@ -72,7 +71,7 @@ pub(super) fn spans(wall: &Wall, snapped: &mut Snapped) -> Vec<[f64; 2]> {
             snapped.extend_lintel(&mut spans[o], 1, [to + head, low]);
         }
     }
-    spans
+    Ok(spans)
 }
 
 /// Range along the wall [mm] that the bearings of a lintel ask for.

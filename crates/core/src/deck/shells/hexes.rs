@@ -274,9 +274,6 @@ impl Hexes {
 
     /// Divides each element into n × n × n.
     pub(in crate::deck) fn refined(&self, n: u32) -> Self {
-        if n == 1 {
-            return self.clone();
-        }
         let mut finer = Self {
             faces: vec![Vec::new(); self.faces.len()],
             ..Self::default()

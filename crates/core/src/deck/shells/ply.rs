@@ -240,7 +240,8 @@ impl Source<'_> {
         } else {
             element.properties.iter().map(size).sum()
         };
-        let left = self.bytes.len() - self.at;
+        // The last line of a text may lack its end, beyond which the place then lies.
+        let left = self.bytes.len().saturating_sub(self.at);
         if element
             .count
             .checked_mul(one.max(1))
@@ -497,6 +498,11 @@ mod tests {
                 " line 19: a finite number is expected, and there is nothing",
             ),
             (text("3 0 1 2\n", ""), "are announced"),
+            // The last line has no end.
+            (
+                text("\n3 0 1 2\n", ""),
+                "1 elements `face` are announced, and 0 bytes",
+            ),
             (
                 text("3 0 1 2", "3 0 1 7"),
                 " line 19: the face has the vertex 7",

@@ -4,6 +4,7 @@ use super::ShellError;
 use super::hull::hull;
 use super::merge::merged;
 use super::split::{Shell, area_vector, point, volume};
+use crate::deck::schema::NotConvex;
 use crate::element::hexahedron::{cross, difference, dot, norm};
 
 /// A closed polyhedron.
@@ -33,15 +34,6 @@ const MOST_CORNERS: usize = 2000;
 
 /// Largest number of vertices of which the convex hull is taken.
 const MOST_OF_HULL: usize = 5000;
-
-/// Treatment of shells that are not convex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::deck) enum NotConvex {
-    /// They are errors.
-    Error,
-    /// Their convex hull stands in their place.
-    Hull,
-}
 
 impl Polyhedron {
     /// Merges the coplanar faces of a shell and checks that it is convex. Returns the volume that its convex hull
