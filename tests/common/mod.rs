@@ -6,6 +6,7 @@ pub mod boxes;
 pub mod examples;
 pub mod halves;
 pub mod inside;
+pub mod masonry;
 pub mod scene;
 
 use std::collections::HashMap;

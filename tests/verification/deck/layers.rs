@@ -1,19 +1,10 @@
 //! Names of courses and storeys of a wall.
 
+use crate::common::blocks::HEAD;
 use wythe::deck::Deck;
 use wythe::model::Model;
 
-const WALL: &str = "format = 1
-[materials.stone]
-E = 5000
-nu = 0.2
-density = \"2000 kg/m^3\"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.6
-mu = 0.6
-[wall]
+const WALL: &str = "[wall]
 unit = [200, 100, 50]
 bed_joint = 0
 head_joint = 0
@@ -30,7 +21,7 @@ kind = \"gravity\"
 ";
 
 fn model(more: &str) -> Model {
-    let deck = Deck::from_str(&format!("{WALL}{more}"), "wall.toml");
+    let deck = Deck::from_str(&format!("{HEAD}{WALL}{more}"), "wall.toml");
     let deck = deck.unwrap_or_else(|e| panic!("{e}"));
     Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0
 }
@@ -87,7 +78,7 @@ fn a_storey_ends_with_the_course_nearest_to_its_height() {
 fn unknown_courses_and_storeys_are_named() {
     let refused = |from: &str, to: &str, name: &str| {
         let text = WALL.replace(from, to);
-        let text = format!("{text}[[supports]]\non = \"{name}\"\n");
+        let text = format!("{HEAD}{text}[[supports]]\non = \"{name}\"\n");
         Deck::from_str(&text, "wall.toml").unwrap_err()
     };
     let error = refused("", "", "wall.course-12.top");

@@ -2,28 +2,12 @@
 
 use crate::common::Random;
 use crate::common::boxes::{bodies, volume};
+use crate::common::masonry::MATERIALS;
 use wythe::deck::Deck;
 use wythe::model::Model;
 
-const HEAD: &str = "format = 1
-[materials.brick]
-E = 10000
-nu = 0.15
-density = \"1900 kg/m^3\"
-[materials.mortar]
-E = 1000
-nu = 0.15
-density = \"1800 kg/m^3\"
-[interfaces.joint]
-f_t = 0.2
-c = 0.22
-tan_phi = 0.75
-mu = 0.75
-zeta = 4.38
-xi = 1.1
-u_k = 0.36
-delta_k = 0.4
-[[steps]]
+/// Begin of a wall whose keys follow.
+const WALL: &str = "[[steps]]
 kind = \"gravity\"
 [wall]
 unit_material = \"brick\"
@@ -42,7 +26,7 @@ courses = 8
 ";
 
 fn read(wall: &str) -> Result<Deck, wythe::error::ModelError> {
-    Deck::from_str(&format!("{HEAD}{wall}"), "wall.toml")
+    Deck::from_str(&format!("{MATERIALS}{WALL}{wall}"), "wall.toml")
 }
 
 fn model(wall: &str) -> (Deck, Model) {
@@ -177,7 +161,8 @@ fn random_openings_leave_no_short_pieces() {
             let unit = deck.wall.as_ref().unwrap().unit[0].get();
             for body in bodies(&model.mesh) {
                 let length = body[1][0] - body[0][0];
-                assert!(volume(body) > 0.0 && length > 0.09 * unit, "{wall}{body:?}");
+                // Bodies have their head joints, so that the shortest is longer than the piece.
+                assert!(volume(body) > 0.0 && length > 0.1 * unit, "{wall}{body:?}");
             }
         }
     }
