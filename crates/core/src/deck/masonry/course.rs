@@ -1,14 +1,8 @@
-//! Bonds: the units of a course before openings and other walls are cut out.
-//!
-//! ```text
-//! stretcher      header       English              Flemish
-//! ├───┬───┬─┤   ├┬┬┬┬┬┬┤   ├─┬┬─┬─┬─┬─┬┬─┤   ├─┬┬───┬─┬───┬─┤   odd courses
-//! ├─┬───┬───┤   ├┬┬┬┬┬┬┤   ├───┬───┬───┤     ├───┬─┬───┬─┬──┤   even courses
-//! ```
+//! Units of a course before openings and other walls are cut out, and bonds of stretchers.
 
 use super::layout::Refusal;
-use crate::deck::quantity::{Length, Quantity};
-use crate::deck::schema::{Bond, DeckCourse, Wall};
+use crate::deck::quantity::Quantity;
+use crate::deck::schema::{DeckCourse, Wall};
 
 /// A leaf of a course: units one after the other along the wall.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,7 +84,7 @@ impl Sizes {
     }
 
     /// Length of the closer that shifts a course by a quarter of a stretcher and its joint.
-    fn closer(&self) -> Result<f64, Refusal> {
+    pub(super) fn closer(&self) -> Result<f64, Refusal> {
         let closer = (self.unit + self.head) / 4.0 - self.head;
         if closer > 0.0 {
             return Ok(closer);
@@ -103,81 +97,8 @@ impl Sizes {
     }
 }
 
-/// Courses of a wall from the lowest one; after the last one the sequence repeats.
-///
-/// # Errors
-/// Sizes that are not compatible. If the length does not fit, the help has the nearest lengths that do.
-pub fn courses(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    bond(wall).map_err(|refusal| {
-        let near = if refusal.key == "length" {
-            lengths_that_fit(wall)
-        } else {
-            Vec::new()
-        };
-        if near.is_empty() {
-            return refusal;
-        }
-        let near: Vec<String> = near.iter().map(|length| format!("{length} mm")).collect();
-        Refusal {
-            help: format!("take {}", near.join(" or ")),
-            ..refusal
-        }
-    })
-}
-
-/// The nearest lengths below and above that of a wall in which its bond fits [mm]: whole quarters of a unit and its
-/// joint.
-fn lengths_that_fit(wall: &Wall) -> Vec<f64> {
-    let sizes = Sizes::of(wall);
-    let quarter = 0.25 * (sizes.unit + sizes.head);
-    let present = ((sizes.length + sizes.head) / quarter).floor();
-    let fits = |quarters: &f64| {
-        let length = quarters * quarter - sizes.head;
-        let wall = Wall {
-            length: Length::new(length),
-            ..wall.clone()
-        };
-        length > 0.0 && bond(&wall).is_ok()
-    };
-    let away = (0..MOST_QUARTERS).map(f64::from);
-    let below = away.clone().map(|k| present - k).find(fits);
-    let above = away.map(|k| present + 1.0 + k).find(fits);
-    let length = |quarters: f64| (1e6 * (quarters * quarter - sizes.head)).round() / 1e6;
-    below.into_iter().chain(above).map(length).collect()
-}
-
-/// Quarters of a unit by which a length is changed at most to find one that fits.
-const MOST_QUARTERS: u32 = 12;
-
-/// Courses of a bond, see [`courses`].
-fn bond(wall: &Wall) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let sizes = Sizes::of(wall);
-    sizes.require_few()?;
-    if wall.bond == Bond::Pattern && wall.pattern.iter().all(|c| c.leaves.is_empty()) {
-        return Err(Refusal::new(
-            "pattern",
-            "the bond is a pattern, and there is none",
-            "[[wall.pattern]] with leaves = [{ units = [204] }], one for each course",
-        ));
-    }
-    match wall.bond {
-        Bond::Stretcher => with_headers(wall, &sizes, &stretchers(wall)?),
-        Bond::Stack => with_headers(wall, &sizes, &[stack(&sizes)?]),
-        Bond::Header => header_bond(&sizes),
-        Bond::English | Bond::EnglishCross => english(wall, &sizes),
-        Bond::Flemish => flemish(&sizes),
-        Bond::Pattern => {
-            let courses = wall.pattern.iter().enumerate();
-            let courses = courses.take((wall.courses as usize).max(1));
-            courses
-                .map(|(k, course)| written(wall, &sizes, k, course))
-                .collect()
-        }
-    }
-}
-
 /// Places units of these lengths one after the other.
-fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
+pub(super) fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
     let mut start = 0.0;
     let mut slots = Vec::new();
     for length in lengths {
@@ -192,7 +113,7 @@ fn slots(lengths: impl IntoIterator<Item = f64>, joint: f64) -> Vec<Slot> {
 }
 
 /// Leaves with these units, one behind the other.
-fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
+pub(super) fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
     (0..count)
         .map(|leaf| {
             let front = f64::from(leaf) * (sizes.width + sizes.collar);
@@ -209,7 +130,7 @@ fn leaves(count: u32, sizes: &Sizes, slots: &[Slot]) -> Vec<CourseRow> {
 ///
 /// # Errors
 /// A length that ends within a joint.
-fn filled(cycle: &[f64], length: f64, sizes: &Sizes) -> Result<Vec<f64>, Refusal> {
+pub(super) fn filled(cycle: &[f64], length: f64, sizes: &Sizes) -> Result<Vec<f64>, Refusal> {
     let mut lengths = Vec::new();
     let (mut at, tolerance) = (0.0, sizes.tolerance());
     for unit in cycle.iter().copied().cycle() {
@@ -244,13 +165,13 @@ fn within_joint(sizes: &Sizes, below: f64) -> Refusal {
     )
 }
 
-fn stack(sizes: &Sizes) -> Result<Vec<Slot>, Refusal> {
+pub(super) fn stack(sizes: &Sizes) -> Result<Vec<Slot>, Refusal> {
     let lengths = filled(&[sizes.unit], sizes.length, sizes)?;
     Ok(slots(lengths, sizes.head))
 }
 
 /// Stretcher courses: every second one mirrored, or shifted by the overlap.
-fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
+pub(super) fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
     let sizes = Sizes::of(wall);
     let Some(overlap) = wall.overlap.map(Quantity::get) else {
         return Ok(course_pattern(wall)?.into());
@@ -279,210 +200,11 @@ fn stretchers(wall: &Wall) -> Result<Vec<Vec<Slot>>, Refusal> {
     Ok(vec![stack(&sizes)?, slots(odd, sizes.head)])
 }
 
-/// Courses of stretchers in the leaves of the wall, and a header course every `header_courses` courses.
-fn with_headers(
-    wall: &Wall,
-    sizes: &Sizes,
-    patterns: &[Vec<Slot>],
-) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let every = wall.header_courses.map_or(0, |n| n as usize);
-    let period = patterns.len().saturating_mul(every.max(1));
-    // Courses above the wall are not needed.
-    let period = period.min((wall.courses as usize).max(1));
-    let course = |k: usize| {
-        if every > 0 && k % every + 1 == every {
-            let thickness = 2.0 * sizes.width + sizes.collar;
-            if (thickness - sizes.unit).abs() > sizes.tolerance() {
-                return Err(Refusal::new(
-                    "header_courses",
-                    format!(
-                        "headers of {} mm do not fit through two leaves of {thickness} mm",
-                        sizes.unit
-                    ),
-                    format!(
-                        "length of the unit = 2 times its thickness + the collar joint: collar_joint = {}",
-                        sizes.unit - 2.0 * sizes.width
-                    ),
-                ));
-            }
-            return headers(sizes);
-        }
-        Ok(leaves(wall.leaves, sizes, &patterns[k % patterns.len()]))
-    };
-    (0..period).map(course).collect()
-}
-
-/// A course of headers with closers beside the quoins.
-fn headers(sizes: &Sizes) -> Result<Vec<CourseRow>, Refusal> {
-    let (width, closer) = (sizes.width, sizes.closer()?);
-    let end = width + closer + 2.0 * sizes.head;
-    let middle = sizes.length - 2.0 * end;
-    let lengths = if middle < width {
-        filled(&[width], sizes.length, sizes)?
-    } else {
-        let mut lengths = vec![width, closer];
-        lengths.extend(filled(&[width], middle, sizes)?);
-        lengths.extend([closer, width]);
-        lengths
-    };
-    Ok(vec![one_row(sizes, slots(lengths, sizes.head))])
-}
-
-/// Units through the whole wall, which is one unit thick.
-fn one_row(sizes: &Sizes, slots: Vec<Slot>) -> CourseRow {
-    let header = |slot: Slot| Slot {
-        header: true,
-        ..slot
-    };
-    CourseRow {
-        through: [0.0, sizes.unit],
-        slots: slots.into_iter().map(header).collect(),
-        material: None,
-    }
-}
-
-fn header_bond(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let even = slots(filled(&[sizes.width], sizes.length, sizes)?, sizes.head);
-    let half = (sizes.width - sizes.head) / 2.0;
-    let mut odd = vec![half];
-    odd.extend(filled(
-        &[sizes.width],
-        sizes.length - half - sizes.head,
-        sizes,
-    )?);
-    let odd = slots(odd, sizes.head);
-    Ok(vec![vec![one_row(sizes, even)], vec![one_row(sizes, odd)]])
-}
-
-/// Two leaves of these stretchers within a wall one unit thick.
-fn two_leaves(sizes: &Sizes, slots: &[Slot]) -> Result<Vec<CourseRow>, Refusal> {
-    let collar = sizes.unit - 2.0 * sizes.width;
-    if collar < -sizes.tolerance() {
-        return Err(Refusal::new(
-            "unit",
-            format!(
-                "two stretchers of {} mm are thicker than a header of {} mm is long",
-                sizes.width, sizes.unit
-            ),
-            "length of the unit = 2 times its thickness + a joint",
-        ));
-    }
-    let row = |through| CourseRow {
-        through,
-        slots: slots.to_vec(),
-        material: None,
-    };
-    let front = row([0.0, sizes.width]);
-    Ok(vec![front, row([sizes.unit - sizes.width, sizes.unit])])
-}
-
-/// English bond of a wall of two or more half-bricks: courses with stretchers in front and headers behind them, and
-/// with headers in front, by turns.
-fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let halves = wall.leaves.max(2);
-    let stretchers = |slots: &[Slot]| match halves {
-        2 => two_leaves(sizes, slots),
-        _ => thick(sizes, halves, slots, true),
-    };
-    let header_course = || match halves {
-        2 => headers(sizes),
-        _ => thick(sizes, halves, &stack(sizes)?, false),
-    };
-    let mut courses = vec![stretchers(&stack(sizes)?)?, header_course()?];
-    if wall.bond == Bond::EnglishCross {
-        let half = (sizes.unit - sizes.head) / 2.0;
-        let mut shifted = vec![half];
-        let rest = sizes.length - half - sizes.head;
-        shifted.extend(filled(&[sizes.unit], rest, sizes)?);
-        courses.push(stretchers(&slots(shifted, sizes.head))?);
-        courses.push(header_course()?);
-    }
-    Ok(courses)
-}
-
-/// A course of an English bond of three half-bricks or more: rows of stretchers and of headers, each as deep as its
-/// units. `first`: whether the front has stretchers.
-fn thick(
-    sizes: &Sizes,
-    halves: u32,
-    stretchers: &[Slot],
-    first: bool,
-) -> Result<Vec<CourseRow>, Refusal> {
-    let lacks = sizes.unit - 2.0 * sizes.width - sizes.collar;
-    if lacks.abs() > sizes.tolerance() {
-        return Err(Refusal::new(
-            "collar_joint",
-            format!(
-                "headers of {} mm are not as deep as two stretchers with a collar joint of {} mm",
-                sizes.unit, sizes.collar
-            ),
-            format!(
-                "length of the unit = 2 times its thickness + the collar joint: collar_joint = {}",
-                sizes.unit - 2.0 * sizes.width
-            ),
-        ));
-    }
-    let plain = |slot: &Slot| Slot {
-        header: false,
-        ..*slot
-    };
-    let headers: Vec<Slot> = headers(sizes)?
-        .iter()
-        .flat_map(|row| row.slots.iter().map(plain))
-        .collect();
-    let mut rows = Vec::new();
-    let (mut front, mut left) = (0.0, halves);
-    while left > 0 {
-        let stretches = left == 1 || (first && rows.is_empty());
-        let depth = if stretches { sizes.width } else { sizes.unit };
-        rows.push(CourseRow {
-            through: [front, front + depth],
-            slots: if stretches {
-                stretchers.to_vec()
-            } else {
-                headers.clone()
-            },
-            material: None,
-        });
-        front += depth + sizes.collar;
-        left -= if stretches { 1 } else { 2 };
-    }
-    Ok(rows)
-}
-
-fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
-    let (unit, width, closer) = (sizes.unit, sizes.width, sizes.closer()?);
-    let even = filled(&[unit, width], sizes.length, sizes)?;
-    let end = width + closer + 2.0 * sizes.head;
-    let middle = sizes.length - 2.0 * end;
-    let mut odd = vec![width, closer];
-    if middle < width {
-        odd = filled(&[width, unit], sizes.length, sizes)?;
-    } else {
-        odd.extend(filled(&[unit, width], middle, sizes)?);
-        odd.extend([closer, width]);
-    }
-    [even, odd]
-        .into_iter()
-        .map(|lengths| {
-            // A unit longer than a header is a pair of stretchers.
-            let mut all = slots(lengths, sizes.head);
-            for slot in &mut all {
-                slot.header = slot.length < width + sizes.tolerance();
-            }
-            let stretchers: Vec<Slot> = all.iter().filter(|s| !s.header).copied().collect();
-            let mut rows = two_leaves(sizes, &stretchers)?;
-            rows[0].slots = all;
-            Ok(rows)
-        })
-        .collect()
-}
-
 /// A course of a written bond; units may begin before the wall and extend beyond its end.
 ///
 /// # Errors
 /// A leaf that does not fill the length.
-fn written(
+pub(super) fn written(
     wall: &Wall,
     sizes: &Sizes,
     k: usize,

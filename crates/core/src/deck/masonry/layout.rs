@@ -4,7 +4,8 @@
 //! it, if another unit follows there. Where another wall passes through, the units that end there have the joint to
 //! it.
 
-use super::course::{CourseRow, Sizes, Slot, courses};
+use super::bond::courses;
+use super::course::{CourseRow, Sizes, Slot};
 use super::openings;
 use super::snap::{self, Part, Snapped};
 use crate::deck::quantity::Quantity;
@@ -172,11 +173,7 @@ pub(super) fn lay(
     let laid: Vec<Vec<Piece>> = (0..wall.courses)
         .map(|k| {
             let rows = &pattern[k as usize % pattern.len()];
-            let own = Course {
-                k,
-                rows,
-                spans: &spans,
-            };
+            let own = Course { k, rows, spans };
             pieces(wall, &sizes, &own, cuts, snapped)
         })
         .collect::<Result<_, _>>()?;

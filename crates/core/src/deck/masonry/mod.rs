@@ -1,8 +1,10 @@
 //! Walls: positions and mesh of their units, joints between them, and clamped courses.
 
+mod bond;
 mod clamps;
 mod course;
 mod expand;
+mod headers;
 mod joints;
 mod layers;
 mod layout;
@@ -13,7 +15,8 @@ mod representative;
 mod snap;
 mod symmetry;
 
-pub use course::{CourseRow, Slot, courses};
+pub use bond::courses;
+pub use course::{CourseRow, Slot};
 pub(super) use layout::levels;
 pub use layout::{Half, Kind, Refusal, Unit};
 

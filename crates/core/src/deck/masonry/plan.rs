@@ -8,7 +8,8 @@
 //!        │   │                  ├┴─┤
 //! ```
 
-use super::course::{Sizes, TOLERANCE, courses};
+use super::bond::courses;
+use super::course::{Sizes, TOLERANCE};
 use super::layout::{Courses, Cut, Refusal};
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{Deck, Wall};
