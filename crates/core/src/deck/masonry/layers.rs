@@ -29,8 +29,10 @@ fn storeys(wall: &Wall) -> Vec<usize> {
     let mut ends = vec![0];
     for storey in &wall.storeys {
         height += storey.get();
+        let above = levels.partition_point(|level| level.1 - base < height);
         let away = |k: &usize| (levels[*k].1 - base - height).abs();
-        let nearest = (0..levels.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let near = above.saturating_sub(1)..(above + 1).min(levels.len());
+        let nearest = near.min_by(|a, b| away(a).total_cmp(&away(b)));
         ends.push(nearest.map_or(0, |k| k + 1));
     }
     ends
@@ -54,6 +56,7 @@ pub(super) fn require_storeys(wall: &Wall) -> Result<(), Refusal> {
         let message = format!("storey {} has no course", s + 1);
         return Err(Refusal::new("storeys", message, help));
     }
+    // The nearest course ends within half a rise; the bed joint above the last one counts for its storey.
     let above = storey_heights(wall).into_iter().find(|[end, asked]| {
         asked - end > 0.5 * (wall.unit[2].get() + wall.bed_joint.get()) + wall.bed_joint.get()
     });

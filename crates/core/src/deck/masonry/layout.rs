@@ -271,8 +271,9 @@ fn pieces(
         for interval in intervals(sizes, &here, &headers) {
             let parts = snap::parts(&row.slots, &interval, sizes);
             let parts = snap::join(parts, &interval, sizes, snapped);
-            for Part { along, slot } in parts {
-                if snap::is_sliver(along, &slot, sizes) {
+            for part in parts {
+                let Part { along, slot } = part;
+                if snap::is_sliver(&part, sizes) {
                     return Err(snap::refused(&interval, along, [k, r as u32]));
                 }
                 let end = if slot.header { back } else { row.through[1] };

@@ -11,7 +11,8 @@ pub(super) fn cuts(wall: &Wall, spans: &[[f64; 2]], snapped: &mut Snapped) -> Ve
     for (o, opening) in wall.openings.iter().enumerate() {
         let key = |name: &str| format!("openings.{o}.{name}");
         let [from, to] = wall.edges(opening);
-        snapped.note([opening.from.get() - from, to - opening.to.get()]);
+        snapped.note(opening.from.get() - from);
+        snapped.note(to - opening.to.get());
         let top = opening.sill.saturating_add(opening.courses);
         cuts.push(Cut {
             along: [from, to],

@@ -66,14 +66,14 @@ impl Snapped {
         };
         if gap > joint + sizes.tolerance() && gap <= sizes.head + self.below {
             range[side] = end;
-            self.note([gap, 0.0]);
+            self.note(gap);
         }
     }
 
-    /// Counts changes of length [mm]; 0: none.
-    pub(super) fn note(&mut self, by: [f64; 2]) {
-        self.count += by.iter().filter(|by| **by > 0.0).count();
-        self.longest = by.into_iter().fold(self.longest, f64::max);
+    /// Counts a change of length [mm]; 0: none.
+    pub(super) fn note(&mut self, by: f64) {
+        self.count += usize::from(by > 0.0);
+        self.longest = self.longest.max(by);
     }
 
     /// Extends a lintel over the room between its head joint and a neighbour or the end of the wall, if that is
@@ -81,7 +81,7 @@ impl Snapped {
     pub(super) fn extend_lintel(&mut self, range: &mut [f64; 2], side: usize, room: [f64; 2]) {
         let width = (room[1] - room[0]) * if side == 0 { -1.0 } else { 1.0 };
         if width > 0.0 && width < self.below {
-            self.note([(room[1] - range[side]).abs(), 0.0]);
+            self.note((room[1] - range[side]).abs());
             range[side] = room[1];
         }
     }
@@ -110,7 +110,7 @@ pub(super) fn join_bats(wall: &Wall, bond: &mut [Vec<CourseRow>], snapped: &mut 
                     .filter(is_beside)
                     .map_or(slot.start, |s| s.start);
                 let longer = slot.start - start;
-                snapped.note([longer, 0.0]);
+                snapped.note(longer);
                 joined.push(Slot {
                     start,
                     length: slot.length + longer,
@@ -118,7 +118,7 @@ pub(super) fn join_bats(wall: &Wall, bond: &mut [Vec<CourseRow>], snapped: &mut 
                 });
             } else if let Some(before) = joined.last_mut().filter(|before| is_beside(before)) {
                 before.length += by;
-                snapped.note([by, 0.0]);
+                snapped.note(by);
                 snapped.count += repeats.saturating_sub(1);
             } else {
                 short = Some(slot);
@@ -167,9 +167,8 @@ pub(super) fn join(
 }
 
 /// Whether a piece is so short that no wall can be built with it.
-pub(super) fn is_sliver(along: [f64; 2], slot: &Slot, sizes: &Sizes) -> bool {
-    let is_cut = along != [slot.start, slot.start + slot.length];
-    is_cut && along[1] - along[0] < SLIVER * sizes.unit.min(slot.length)
+pub(super) fn is_sliver(part: &Part, sizes: &Sizes) -> bool {
+    part.is_cut() && part.length() < SLIVER * sizes.unit.min(part.slot.length)
 }
 
 /// Error of a sliver that no neighbour can take. `place`: its course and leaf.

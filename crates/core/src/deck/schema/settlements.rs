@@ -74,16 +74,16 @@ impl DeckSettlement {
 
 impl DeckProfile {
     fn value(&self, s: f64) -> f64 {
-        let places: Vec<f64> = self.at.iter().map(|at| at.get()).collect();
+        let place = |k: usize| self.at.get(k).map_or(0.0, |at| at.get());
         let value = |k: usize| self.values.get(k).map_or(0.0, |value| value.get());
-        let above = places.partition_point(|at| *at <= s);
+        let above = self.at.partition_point(|at| at.get() <= s);
         if above == 0 {
             return value(0);
         }
-        if above == places.len() {
+        if above == self.at.len() {
             return value(above - 1);
         }
-        let (a, b) = (places[above - 1], places[above]);
+        let (a, b) = (place(above - 1), place(above));
         value(above - 1) + (s - a) / (b - a) * (value(above) - value(above - 1))
     }
 }

@@ -38,13 +38,7 @@ impl Checks<'_> {
         let mut taken: Vec<String> = self.deck.probes.iter().map(DeckProbe::column).collect();
         for (path, load) in first {
             let (path, name) = (format!("{path}.name"), &load.name);
-            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            self.demand(
-                name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
-                &path,
-                || format!("`{name}` is no name for a column"),
-                "a letter, then letters, digits, - and _",
-            );
+            self.plain_name(&path, name, "column");
             for column in load.columns() {
                 let again = taken.contains(&column) || FIXED.contains(&column.as_str());
                 self.require(

@@ -168,6 +168,17 @@ impl Checks<'_> {
         );
     }
 
+    /// Requires a name of a letter, then letters, digits, - and _; `of` is the kind of its bearer.
+    fn plain_name(&mut self, path: &str, name: &str, of: &str) {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        self.demand(
+            name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
+            path,
+            || format!("`{name}` is no name for a {of}"),
+            "a letter, then letters, digits, - and _",
+        );
+    }
+
     /// Requires a value of 0 or more, if there is one.
     fn not_negative(&mut self, path: &str, value: impl Given) {
         let Some(value) = value.given() else { return };

@@ -16,13 +16,7 @@ impl Checks<'_> {
         for (i, (probe, column)) in deck.probes.iter().zip(&columns).enumerate() {
             let path = format!("probes.{i}");
             let name = &probe.name;
-            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            self.demand(
-                name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
-                &format!("{path}.name"),
-                || format!("`{name}` is no name for a column"),
-                "a letter, then letters, digits, - and _",
-            );
+            self.plain_name(&format!("{path}.name"), name, "column");
             self.require(
                 !columns[..i].contains(column) && !FIXED.contains(&column.as_str()),
                 &format!("{path}.name"),

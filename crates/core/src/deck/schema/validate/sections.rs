@@ -38,13 +38,7 @@ impl Checks<'_> {
         let deck = self.deck;
         let key = |name: &str| format!("{path}.{name}");
         if let Some(name) = &section.name {
-            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            self.demand(
-                name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
-                &key("name"),
-                || format!("`{name}` is no name for a column"),
-                "a letter, then letters, digits, - and _",
-            );
+            self.plain_name(&key("name"), name, "column");
         }
         self.not_empty(&key("of"), section.of.as_ref());
         self.demand(

@@ -11,13 +11,7 @@ impl Checks<'_> {
         for (i, settlement) in deck.settlements.iter().enumerate() {
             let path = format!("settlements.{i}");
             let name = &settlement.name;
-            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            self.demand(
-                name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
-                &format!("{path}.name"),
-                || format!("`{name}` is no name for a settlement"),
-                "a letter, then letters, digits, - and _",
-            );
+            self.plain_name(&format!("{path}.name"), name, "settlement");
             let twice = deck.settlements[..i].iter().any(|s| s.name == *name);
             self.demand(
                 !twice,

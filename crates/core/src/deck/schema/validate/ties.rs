@@ -20,14 +20,7 @@ impl Checks<'_> {
         taken.extend(deck.loads().iter().flat_map(|(_, load)| load.columns()));
         for (i, tie) in deck.ties.iter().enumerate() {
             let path = format!("ties.{i}");
-            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-            let name = &tie.name;
-            self.demand(
-                name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain),
-                &format!("{path}.name"),
-                || format!("`{name}` is no name for a column"),
-                "a letter, then letters, digits, - and _",
-            );
+            self.plain_name(&format!("{path}.name"), &tie.name, "column");
             let columns = tie.columns();
             let again = columns.iter().enumerate().find(|(c, column)| {
                 let seen = taken.contains(column) || columns[..*c].contains(column);
