@@ -33,7 +33,6 @@ impl Checks<'_> {
         }
     }
 
-    #[expect(clippy::too_many_lines, reason = "one check for each key")]
     fn section(&mut self, path: &str, section: &DeckSection) {
         let deck = self.deck;
         let key = |name: &str| format!("{path}.{name}");
