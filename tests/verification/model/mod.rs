@@ -1,6 +1,7 @@
 //! Tests of the module `model`.
 
 mod builder;
+mod floors;
 mod mirrors;
 mod random_halves;
 mod stands_by_symmetry;

@@ -58,6 +58,7 @@ fn model() -> Model {
         initial_velocity: Vec::new(),
         springs: Vec::new(),
         ties: Vec::new(),
+        floors: Vec::new(),
         sections: Vec::new(),
         probes: vec![Probe {
             column: "gap_mm".to_owned(),

@@ -213,6 +213,7 @@ fn a_tie_stiffens_the_vertical_mode() {
         name: "rod".to_owned(),
         law,
         strands: vec![ties::anchored(&with.mesh, ends).unwrap()],
+        shares: Vec::new(),
     });
     let mass = DENSITY * x * y * z;
     let added = law.E * law.area / length / mass / TAU.powi(2);

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The 2×2×2 Gauss points of the element integrate the volume of a trilinear hexahedron exactly, so the total mass
-//! is exact. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
+//! is exact. Floors add their masses to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
 
 use super::Bulk;
 use super::dofs::{DofMap, HELD};
@@ -41,6 +41,9 @@ impl Mass {
             for (&n, volume) in nodes.iter().zip(volumes) {
                 node[n as usize] += density * volume;
             }
+        }
+        for (n, mass) in model.floors.iter().flat_map(|floor| &floor.masses) {
+            node[*n as usize] += mass;
         }
         let mut slot = vec![0.0; dofs.slots];
         let (mut lever, mut direction) = (slot.clone(), vec![0; dofs.slots]);

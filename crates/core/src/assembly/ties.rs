@@ -77,6 +77,8 @@ impl Ties {
         };
         for (t, tie) in model.ties.iter().enumerate() {
             for (k, strand) in tie.strands.iter().enumerate() {
+                let share = tie.shares.get(k).copied().unwrap_or(1.0);
+                let area = share * tie.law.area;
                 for ends in strand.windows(2) {
                     let mut nodes: Vec<(u32, f64)> = Vec::new();
                     for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
@@ -91,7 +93,7 @@ impl Ties {
                     ties.add(Segment {
                         tie: t,
                         strand: k,
-                        law: tie.law,
+                        law: TieLaw { area, ..tie.law },
                         way,
                         length: size(way),
                         nodes,

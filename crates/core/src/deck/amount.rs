@@ -176,6 +176,7 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("beams", deck.beams.len(), MOST_ENTRIES),
         ("settlements", deck.settlements.len(), MOST_ENTRIES),
         ("ties", deck.ties.len(), MOST_ENTRIES),
+        ("floors", deck.floors.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
         ("sections", deck.sections.len(), MOST_ENTRIES),
         ("imports", deck.imports.len(), MOST_ENTRIES),

@@ -4,6 +4,7 @@ use super::amount;
 use super::beams;
 use super::bodies::Bodies;
 use super::findings;
+use super::floors;
 use super::general;
 use super::held::{Holding, require_held, require_held_each_way};
 use super::loading::{Loading, loading};
@@ -57,6 +58,8 @@ impl Model {
         let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
         let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
+        let laid_floors = errors.keep(floors::floors(deck, &bodies, &mut parts.loading.steps));
+        let (floors, springs_of_floors) = laid_floors.unwrap_or_default();
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
@@ -69,7 +72,12 @@ impl Model {
             supports: parts.supports,
             initial_velocity: bodies.velocity,
             springs: parts.springs,
-            ties: ties.unwrap_or_default(),
+            ties: ties
+                .unwrap_or_default()
+                .into_iter()
+                .chain(springs_of_floors)
+                .collect(),
+            floors,
             probes: parts.probes,
             sections: parts.sections,
             steps: parts.loading.steps,

@@ -212,6 +212,14 @@ prestress = "20 kN"  # of all bars together
 ties.step => step = "stress"  # in which it is installed and stressed
 ties.bond => bond = "anchored"  # at its ends; or "bonded" along its length
 unbonded = "120 mm"  # free length of a bonded tie at each joint
+[[floors]]
+floors.on => on = ["front.storey-1.top", "back.storey-1.top"]  # faces that carry it
+load = "3 kN/m^2"  # weight over its area in plan
+mass = "4 tonne"  # in all
+floors.rigid => rigid = true  # a concrete slab
+axial = "10 kN/mm"  # E A of the joists over their distance
+shear = "5 kN/mm"  # G t
+spacing = "600 mm"  # of the springs that stand for joists
 [[settlements]]
 settlements.along => along = "x"  # the shape varies along it
 trough = { centre = "3 m", inflection = "1.5 m" }  # 1 in its middle
@@ -270,7 +278,7 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 13] = [
+pub(super) const LISTS: [&str; 14] = [
     "walls",
     "blocks",
     "imports",
@@ -279,6 +287,7 @@ pub(super) const LISTS: [&str; 13] = [
     "springs",
     "settlements",
     "ties",
+    "floors",
     "beams",
     "symmetry",
     "probes",

@@ -10,6 +10,7 @@ pub mod catalogue;
 pub mod check;
 mod contradictions;
 mod findings;
+mod floors;
 mod general;
 mod gravity;
 mod held;

@@ -17,6 +17,8 @@ pub struct Quantity<const L: i8, const M: i8, const T: i8, const A: i8>(f64);
 pub type Number = Quantity<0, 0, 0, 0>;
 /// Length [mm].
 pub type Length = Quantity<1, 0, 0, 0>;
+/// Mass [tonne].
+pub type Mass = Quantity<0, 1, 0, 0>;
 /// Area [mm²].
 pub type Area = Quantity<2, 0, 0, 0>;
 /// Inverse of a length [1/mm].
@@ -35,6 +37,8 @@ pub type SpringStiffness = Quantity<0, 1, -2, 0>;
 pub type Force = Quantity<1, 1, -2, 0>;
 /// Force over a length [N/mm].
 pub type LineForce = Quantity<0, 1, -2, 0>;
+/// Force for each width and strain [N/mm].
+pub type MembraneStiffness = Quantity<0, 1, -2, 0>;
 /// Velocity [mm/s].
 pub type Velocity = Quantity<1, 0, -1, 0>;
 /// Time [s].

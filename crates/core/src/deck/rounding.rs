@@ -3,6 +3,7 @@
 use super::schema::Deck;
 use crate::error::ModelError;
 use crate::model::Model;
+use crate::model::floors::Floor;
 use crate::model::rounding::largest;
 use crate::model::scene::{BeamMotion, Step};
 
@@ -63,7 +64,12 @@ fn load(model: &Model, step: &Step) -> f64 {
         parameters.elastic().density * mesh.volume(e)
     };
     let weight = if gravity > 0.0 {
-        gravity * (0..mesh.elements.len()).map(mass).sum::<f64>()
+        let floors = model.floors.iter().map(Floor::mass);
+        gravity
+            * (0..mesh.elements.len())
+                .map(mass)
+                .chain(floors)
+                .sum::<f64>()
     } else {
         0.0
     };

@@ -97,6 +97,7 @@ fn tie_of(
         name: tie.name.clone(),
         law,
         strands: vec![points],
+        shares: Vec::new(),
     }])
 }
 
@@ -160,7 +161,12 @@ fn bed_joints(
                 .error(&path, message, help)
                 .of_kind(ErrorKind::Geometry));
         }
-        made.push(Tie { name, law, strands });
+        made.push(Tie {
+            name,
+            law,
+            strands,
+            shares: Vec::new(),
+        });
     }
     Ok(made)
 }

@@ -151,6 +151,14 @@ impl Bodies {
             body.mass += mass;
             body.first_moment += mass * at;
         }
+        for (n, mass) in model.floors.iter().flat_map(|floor| &floor.masses) {
+            let Some(body) = self.of_node[*n as usize] else {
+                continue;
+            };
+            let body = &mut self.all[body];
+            body.mass += mass;
+            body.first_moment += *mass * Vector3::from(mesh.nodes[*n as usize]);
+        }
         for body in &mut self.all {
             if body.volume > 0.0 {
                 body.centre /= body.volume;

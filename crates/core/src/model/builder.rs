@@ -325,6 +325,7 @@ impl ModelBuilder {
             name: name.to_owned(),
             law,
             strands: vec![points],
+            shares: Vec::new(),
         });
         self.model.ties.len() - 1
     }
@@ -438,6 +439,11 @@ fn check(model: &Model) -> Result<(), BuildError> {
     for tie in &model.ties {
         for node in tie.strands.iter().flatten().flat_map(|point| &point.nodes) {
             check_nodes(&format!("tie {}", tie.name), &[node.0], nodes)?;
+        }
+    }
+    for floor in &model.floors {
+        for (node, _) in &floor.masses {
+            check_nodes(&format!("floor {}", floor.name), &[*node], nodes)?;
         }
     }
     for (facet, law) in contact.slave_law.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! The frozen model: mesh, laws, contact surfaces, supports. Its steps are in `steps`.
 
 use super::Mesh;
+use super::floors::Floor;
 use super::loads::Load;
 use super::probes::Probe;
 use super::reactions;
@@ -41,6 +42,8 @@ pub struct Model {
     pub springs: Vec<Spring>,
     /// Ties, with two columns of the history each.
     pub ties: Vec<Tie>,
+    /// Floors: masses beside those of the solids.
+    pub floors: Vec<Floor>,
     /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
     /// Sections, with six columns of the history each.
@@ -73,6 +76,7 @@ impl Model {
             initial_velocity: Vec::new(),
             springs: Vec::new(),
             ties: Vec::new(),
+            floors: Vec::new(),
             probes: Vec::new(),
             sections: Vec::new(),
             loads: Vec::new(),

@@ -24,6 +24,8 @@ pub struct Tie {
     pub law: TieLaw,
     /// Points of each strand, two at least. `[strand][point]`
     pub strands: Vec<Vec<TiePoint>>,
+    /// Area of each strand over that of the law; empty if all have that of the law. `[strand]`
+    pub shares: Vec<f64>,
 }
 
 /// Cross-section and material of a tie: elastic-plastic with linear isotropic hardening, until it breaks.

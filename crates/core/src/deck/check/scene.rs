@@ -1,14 +1,16 @@
 //! Notes on the parts of a scene: walls, rigid-like bodies, beams, planes of symmetry, blocks, damping.
 
 use crate::deck::masonry::{self, Masonry};
-use crate::deck::quantity::Frequency;
+use crate::deck::quantity::{Frequency, GRAVITY};
 use crate::deck::rigid;
 use crate::deck::schema::{Deck, DeckBeam, Subdivision, Turning};
 use crate::deck::symmetry::{self, Plane};
 use crate::model::Model;
+use crate::model::floors::Floor;
 use crate::model::mirrored::{self, MirrorPlane};
 use crate::model::scene::{ContactPoints, Fidelity, Rayleigh};
 use crate::model::sizes::sizes;
+use crate::model::ties::Tie;
 
 /// Factors of Rayleigh damping that follow from a ratio at two frequencies.
 pub(super) fn damping_notes(deck: &Deck) -> impl Iterator<Item = String> + '_ {
@@ -209,6 +211,36 @@ pub(super) fn block_notes(deck: &Deck, model: &Model) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Notes on floors: area in plan, mass, springs.
+pub(super) fn floor_notes(model: &Model) -> Vec<String> {
+    let note = |floor: &Floor| {
+        let of_floor = |tie: &&Tie| {
+            let rest = tie.name.strip_prefix(&floor.name);
+            rest.is_some_and(|rest| rest == "-joists" || rest == "-braces")
+        };
+        let ties = model.ties.iter().filter(of_floor);
+        let springs: Vec<String> = ties
+            .map(|tie| {
+                let kind = tie.name.rsplit('-').next().unwrap_or_default();
+                format!("{} {kind}", tie.strands.len())
+            })
+            .collect();
+        let tied = if springs.is_empty() {
+            "it does not tie the walls".to_owned()
+        } else {
+            format!("{} as springs", springs.join(" and "))
+        };
+        format!(
+            "floor {}: {:.2} m^2, {:.1} kg ({:.2} kN at 9.81 m/s^2), {tied}",
+            floor.name,
+            1e-6 * floor.area,
+            1e3 * floor.mass(),
+            1e-3 * GRAVITY * floor.mass()
+        )
+    };
+    model.floors.iter().map(note).collect()
 }
 
 /// Note on the pivots of rocking blocks. Gauss points, and so all pivots, lie (1 − 1/√3)/2 = 0.211 of a facet

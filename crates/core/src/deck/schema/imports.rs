@@ -54,7 +54,9 @@ impl Deck {
         let settled = self.settlements.iter().map(|s| &s.on);
         let moved = moved.chain(settled);
         let laid = self.beams.iter().map(|b| &b.on);
-        let all = all.chain(taken_off).chain(cut).chain(moved).chain(laid);
+        let carried = self.floors.iter().map(|f| &f.on);
+        let all = all.chain(taken_off).chain(cut).chain(moved);
+        let all = all.chain(laid).chain(carried);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::rows::rows;
 use super::{Deck, DeckProcedure, DeckStep};
-use super::{DeckTie, Names};
+use super::{DeckFloor, DeckTie, Names};
 use crate::deck::beams;
 use crate::deck::quantity::{Force, Length, LineForce, Number, Pressure};
 use crate::deck::sections::Draft;
@@ -133,7 +133,8 @@ impl Deck {
             .into_iter()
             .flat_map(|(_, load)| load.columns());
         let outputs = self.outputs().into_iter().map(|output| output.column());
-        let ties = self.ties.iter().flat_map(DeckTie::columns);
+        let floors = self.floors.iter().flat_map(DeckFloor::columns);
+        let ties = self.ties.iter().flat_map(DeckTie::columns).chain(floors);
         let held = self.held_names();
         let supports = held.iter().map(|(name, fixed)| (name.as_str(), *fixed));
         let reactions = reactions::columns(supports);

@@ -6,6 +6,7 @@ mod arch;
 mod beams;
 mod blocks;
 mod bounds;
+mod floors;
 mod form;
 mod grid;
 mod ground;
@@ -39,6 +40,7 @@ pub use arch::DeckArch;
 pub use beams::{DeckBeam, Turning};
 pub use blocks::{DeckBlock, DeckContact, DeckSpring, DeckSupport, Names, NotConvex, Rotation};
 pub use bounds::MOST_BYTES;
+pub use floors::DeckFloor;
 pub use heading::Heading;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
@@ -136,6 +138,9 @@ pub struct Deck {
     /// Ties: rods and bars.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ties: Vec<DeckTie>,
+    /// Floors that load and tie walls.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub floors: Vec<DeckFloor>,
     /// Loading beams.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beams: Vec<DeckBeam>,
@@ -515,6 +520,7 @@ impl Deck {
             springs,
             settlements,
             ties,
+            floors,
             beams,
             symmetry,
             probes,
@@ -533,7 +539,8 @@ impl Deck {
             (format, title, fidelity, strategy, simplified),
             (materials, interfaces, element, contact, contacts),
             (wall, walls, blocks, imports, arch),
-            (supports, springs, settlements, ties, beams, symmetry),
+            (supports, springs, settlements),
+            (ties, floors, beams, symmetry),
             (probes, sections, steps, output, test),
         )
     }

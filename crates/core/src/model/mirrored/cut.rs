@@ -35,8 +35,9 @@ pub(crate) struct Half {
 #[expect(clippy::too_many_lines, reason = "cuts each part of a model")]
 pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let contact = &model.contact;
-    // Ties are tied to elements of both sides.
-    if contact.general.is_some() || !model.ties.is_empty() {
+    // Ties and floors are tied to elements of both sides.
+    let has_ties = !model.ties.is_empty() || !model.floors.is_empty();
+    if contact.general.is_some() || has_ties {
         return None;
     }
     let node = numbered(images.side.iter().map(|side| *side <= 0));
@@ -82,6 +83,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         initial_velocity: cut.velocity(&model.initial_velocity)?,
         springs: springs.collect::<Option<_>>()?,
         ties: Vec::new(),
+        floors: Vec::new(),
         probes: probes.collect::<Option<_>>()?,
         sections: sections.collect::<Option<_>>()?,
         loads: loads.collect::<Option<_>>()?,

@@ -292,6 +292,8 @@ impl<'m> Newton<'m> {
         let (mut misled, mut before) = (false, f64::INFINITY);
         // Where the path prescribes the advance, a balanced start has not advanced and needs a solve.
         let mut on_path = iteration > 0 || at.attempt.advance == Advance::Load;
+        // The end of a relaxation is solved without its dashpots, which proves that it stands.
+        on_path &= iteration > 0 || self.dashpots.as_ref().is_none_or(|d| d.factor > 0.0);
         loop {
             timed(&mut self.clock.contact, || {
                 at.system.search(at.trial, &self.q);

@@ -26,7 +26,7 @@ const PARTS: [&str; 9] = [
     "the initial velocities",
     "the probes or sections",
     "the loads",
-    "the ties",
+    "the ties or floors",
 ];
 
 impl Fingerprint {
@@ -53,7 +53,7 @@ impl Fingerprint {
             &model.initial_velocity,
             &(&model.probes, &model.sections),
             &model.loads,
-            &model.ties,
+            &(&model.ties, &model.floors),
         ];
         parts.into_iter().map(digest).collect()
     }

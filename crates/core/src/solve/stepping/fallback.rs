@@ -213,6 +213,11 @@ impl Fallback {
         self.at < self.statics && self.place(Method::Implex).is_some()
     }
 
+    /// Whether statics is still in use.
+    pub fn is_static(&self) -> bool {
+        self.at < self.statics
+    }
+
     /// Increment size below which errors are reported but no longer reduced.
     pub fn floor(&self) -> f64 {
         self.floor

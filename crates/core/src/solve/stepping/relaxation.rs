@@ -20,7 +20,8 @@
 //! κ = 1 are about as stiff as the elements around the node. κ falls while the sub-increments converge and grows
 //! where one fails. The first sub-increment applies the loads of the rejected increment; its dashpots act on the
 //! difference to the predicted displacements and so do not resist the drive. The relaxation ends when the dashpot
-//! forces are below the tolerance of equilibrium: the state is then static. The work of the dashpots is the energy
+//! forces are below the tolerance of equilibrium: the state is then static. Where a body had come loose, it is solved
+//! once more with κ = 0, because dashpots alone may hold that body. The work of the dashpots is the energy
 //! that the snap releases, and counts as damping.
 
 use super::path::Advance;
@@ -125,17 +126,19 @@ const FALLS: f64 = 0.9;
 impl Run<'_> {
     /// Carries the structure from the last commit, over a snap within the rejected increment of `request`, to the
     /// next equilibrium. Returns the request by which the trial, which then holds this equilibrium, is to be
-    /// committed. Returns none and restores the state if no equilibrium is near.
+    /// committed. Returns none and restores the state if no equilibrium is near. `proves`: whether the equilibrium is
+    /// solved once more without dashpots, which may hold a body that nothing else holds.
     pub(in crate::solve) fn relax(
         &mut self,
         step_run: &mut StepRun,
         request: IncrementRequest,
+        proves: bool,
         recorder: &mut dyn Recorder,
     ) -> Option<(IncrementRequest, Report)> {
         let (saved, carried) = (self.state.clone(), step_run.newton.carried());
         let (load, increments) = (step_run.load, self.state.increments);
         step_run.newton.dashpots = Some(Dashpots::new(self.model, &self.system));
-        let found = self.relax_in_steps(step_run, request, recorder);
+        let found = self.relax_in_steps(step_run, request, proves, recorder);
         if found.is_some() {
             self.state.increments = increments;
         } else {
@@ -151,28 +154,38 @@ impl Run<'_> {
         &mut self,
         step_run: &mut StepRun,
         mut request: IncrementRequest,
+        proves: bool,
         recorder: &mut dyn Recorder,
     ) -> Option<(IncrementRequest, Report)> {
         request.method = Method::Relaxation;
         let reach = self.system.contact.reach();
         let mut start = self.state.q.clone();
         let (mut softening, mut loads) = (Softening::default(), true);
+        let mut at_rest = false;
         for _ in 0..MOST {
             if let Some(dashpots) = &mut step_run.newton.dashpots {
-                (dashpots.factor, dashpots.loads) = (softening.factor, loads);
+                let factor = if at_rest { 0.0 } else { softening.factor };
+                (dashpots.factor, dashpots.loads) = (factor, loads);
             }
             let report = match self.relax_once(step_run, request, loads, recorder) {
                 Outcome::Converged(report) => report,
                 Outcome::Rejected(_, spent) => {
                     step_run.attempts.solves += spent;
+                    if at_rest {
+                        return None; // only dashpots held it
+                    }
                     softening.stiffen()?;
                     continue;
                 }
             };
+            if at_rest {
+                return Some((request, report));
+            }
             let newton = &mut step_run.newton;
             let scale = newton.scale(&self.system, &self.state, &self.trial);
             let balance = Balance::new(&newton.dashpot_forces(), scale);
-            if balance.holds(AT_REST, step_run.step.tolerance.residual) {
+            at_rest = balance.holds(AT_REST, step_run.step.tolerance.residual);
+            if at_rest && !proves {
                 return Some((request, report));
             }
             step_run.attempts.solves += report.iterations;
@@ -180,8 +193,10 @@ impl Run<'_> {
             self.commit(newton, step_run.step, request.increment.size, added);
             step_run.load = report.load_factor;
             if loads {
-                self.state.last = None;
                 start.clone_from(&self.state.q);
+            }
+            if loads || at_rest {
+                self.state.last = None;
             } else if let Some(last) = &mut self.state.last {
                 last.dt = 1.0 / softening.factor;
             }
@@ -190,6 +205,9 @@ impl Run<'_> {
                 size: 0.0,
             };
             loads = false;
+            if at_rest {
+                continue;
+            }
             softening.soften(report.iterations, balance.root_mean_square);
             let way = self.state.q.iter().zip(&start);
             let falls_apart = way.into_iter().any(|(q, s)| (q - s).abs() > reach);

@@ -17,31 +17,16 @@ const SETTLED: f64 = 0.02;
 /// (docs/theory/procedures.md, eq. 9).
 const SNAPS_TAKE: f64 = 4.0;
 
-/// Whether a relaxation may help where an increment was rejected.
-fn may_relax(step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) -> bool {
-    let applies = match step_run.step.procedure {
-        Procedure::Auto => step_run.fallback.may_snap(),
-        Procedure::DisplacementControl => true,
-        _ => false,
-    };
-    let size = request.increment.size;
-    let stuck = match rejection {
-        // The path of a clear snap-back is followed where that is possible.
-        Rejection::Snap => !step_run.fallback.prefers_paths(),
-        Rejection::Linear { .. } => false,
-        _ => step_run.attempts.rejections > 1 || step_run.fallback.is_small(size),
-    };
-    // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times as
-    // many solves.
-    let first = step_run.snap.relaxations.in_a_row == 0;
-    applies && stuck && first && size < step_run.snap.relaxes_below
-}
-
 /// Size over that of a failed relaxation, below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;
 
 /// Largest n of the 2ⁿ troubles in which no relaxation is tried after n + 1 that failed.
 const MOST_LOST: u32 = 5;
+
+/// Whether a body has come loose: the matrix is singular or not positive definite there.
+fn is_loose(rejection: &Rejection) -> bool {
+    matches!(rejection, Rejection::Linear { dof: Some(_), .. })
+}
 
 /// Relaxations of a step. One that fails takes some hundred solves, so those that fail in a row are tried ever less
 /// often, as paths are (docs/theory/procedures.md, Algorithm).
@@ -98,11 +83,11 @@ impl<'m> Run<'m> {
         if unsolved && step_run.fallback.may_snap() && step_run.step.procedure == Procedure::Auto {
             self.bound_damage(step_run);
         }
-        if may_relax(step_run, request, rejection) {
+        if self.may_relax(step_run, request, rejection) {
             if step_run.snap.relaxations.passes_over() {
                 step_run.snap.relaxes_below = 0.0;
             } else {
-                let relaxed = self.relax(step_run, request, recorder);
+                let relaxed = self.relax(step_run, request, is_loose(rejection), recorder);
                 step_run.snap.relaxations.learn(relaxed.is_some());
                 match relaxed {
                     Some(found) => return self.accept_relaxed(step_run, request, found, recorder),
@@ -111,6 +96,36 @@ impl<'m> Run<'m> {
             }
         }
         Ok(self.reject(step_run, request, rejection, recorder))
+    }
+
+    /// Whether a relaxation may help where an increment was rejected.
+    fn may_relax(
+        &self,
+        step_run: &StepRun<'m>,
+        request: IncrementRequest,
+        rejection: &Rejection,
+    ) -> bool {
+        let loose = is_loose(rejection);
+        let applies = match step_run.step.procedure {
+            // A unit that comes loose in a wall finds its next support within the joint. Loose bodies fly.
+            Procedure::Auto if loose => {
+                step_run.fallback.is_static() && self.model.contact.general.is_none()
+            }
+            Procedure::Auto => step_run.fallback.may_snap(),
+            Procedure::DisplacementControl => !loose,
+            _ => false,
+        };
+        let size = request.increment.size;
+        let stuck = match rejection {
+            // The path of a clear snap-back is followed where that is possible.
+            Rejection::Snap => !step_run.fallback.prefers_paths(),
+            Rejection::Linear { .. } => loose,
+            _ => step_run.attempts.rejections > 1 || step_run.fallback.is_small(size),
+        };
+        // Relaxations in a row advance too slowly: with them, walls 13, 27 and 35 of the zoo took up to three times
+        // as many solves.
+        let first = step_run.snap.relaxations.in_a_row == 0;
+        applies && stuck && first && size < step_run.snap.relaxes_below
     }
 
     /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.

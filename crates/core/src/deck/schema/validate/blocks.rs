@@ -26,6 +26,7 @@ impl Checks<'_> {
             ("beams", !deck.beams.is_empty()),
             ("settlements", !deck.settlements.is_empty()),
             ("ties", !deck.ties.is_empty()),
+            ("floors", !deck.floors.is_empty()),
         ] {
             self.demand(
                 deck.has_scene() || !given || !self.scene_is_known(),

@@ -1,6 +1,7 @@
 //! Checks ranges of a deck and conditions between its keys. All errors are found, not only the first.
 
 mod blocks;
+mod floors;
 mod imports;
 mod interfaces;
 mod loads;
@@ -84,6 +85,7 @@ pub(super) fn validate(deck: &Deck, broken: &Broken) -> Vec<ModelError> {
     checks.loads();
     checks.settlements();
     checks.ties();
+    checks.floors();
     checks.sections();
     checks.simplified();
     checks.test();

@@ -56,6 +56,9 @@ impl Checks<'_> {
             let path = format!("settlements.{i}.on");
             self.places(&roll, &path, Some(&settlement.on), false);
         }
+        for (i, floor) in deck.floors.iter().enumerate() {
+            self.places(&roll, &format!("floors.{i}.on"), Some(&floor.on), true);
+        }
         for (i, beam) in deck.beams.iter().enumerate() {
             self.places(&roll, &format!("beams.{i}.on"), Some(&beam.on), true);
         }

@@ -13,6 +13,14 @@ pub(super) fn steps(text: &mut String, model: &Model, names: &Names) -> std::fmt
         let name = tie.name.replace('\n', " ");
         writeln!(text, "** Not translated: the tie {name}")?;
     }
+    for floor in &model.floors {
+        let name = floor.name.replace('\n', " ");
+        writeln!(
+            text,
+            "** Not translated: the floor {name}, {:?} tonne",
+            floor.mass()
+        )?;
+    }
     for spring in &model.springs {
         writeln!(
             text,

@@ -1,0 +1,405 @@
+//! Floors of a deck: masses on the faces that carry them, and ties between them (theory/ties.md).
+//!
+//! ```text
+//!   plan          side: a face along x
+//!   ┌──────────────────────────┐
+//!   └──o─────o─────o─────o─────┘   o  bearing: the facet nearest to the joist
+//!      │\   /│\   /│\   /│          │  joist, E A for the width that it carries
+//!      │  X  │  X  │  X  │ D        X  braces: shear stiffness G t
+//!      │/   \│/   \│/   \│
+//!   ┌──o─────o─────o─────o─────┐
+//!   └──────────────────────────┘
+//! ```
+//!
+//! Faces along x are sides that face each other along y, and faces along y those along x. Sides are taken in order, and
+//! the floor spans from each to the next. A floor with sides in both directions spans both ways, half of it each way.
+
+use super::bodies::Bodies;
+use super::quantity::{GRAVITY, Quantity};
+use super::schema::{Deck, DeckFloor, Names};
+use crate::element::hexahedron::{area_vector, norm};
+use crate::error::{ErrorKind, Errors, ModelError};
+use crate::model::floors::Floor;
+use crate::model::scene::Step;
+use crate::model::ties::{Tie, TieLaw, TiePoint, TieStage};
+
+/// Most springs across a side: more stand closer than elements.
+const MOST_JOISTS: f64 = 1000.0;
+
+/// Thickness of the width that a strand of a tie stands for [mm]: its Young's modulus is then a membrane stiffness.
+const UNIT_THICKNESS: f64 = 1.0;
+
+/// Floors of a deck, and their ties, which are there from the first step.
+///
+/// # Errors
+/// Unknown faces, sides without an opposite one, no bearings.
+pub(super) fn floors(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    steps: &mut [Step],
+) -> Result<(Vec<Floor>, Vec<Tie>), ModelError> {
+    let (mut floors, mut ties) = (Vec::new(), Vec::new());
+    let mut errors = Errors::default();
+    for (i, floor) in deck.floors.iter().enumerate() {
+        if let Some((made, tied)) = errors.keep(floor_of(deck, bodies, i, floor)) {
+            floors.push(made);
+            ties.extend(tied);
+        }
+    }
+    for step in steps {
+        step.ties.extend(ties.iter().map(|_| TieStage::Fixed));
+    }
+    errors.end((floors, ties))
+}
+
+/// A facet that carries the floor.
+#[derive(Clone)]
+struct Bearing {
+    element: usize,
+    nodes: [u32; 4],
+    /// Its middle [mm].
+    at: [f64; 3],
+    /// Its area [mm²].
+    area: f64,
+    /// Half its extent along the side [mm].
+    half: f64,
+}
+
+/// A face that carries the floor.
+struct Side {
+    name: String,
+    bearings: Vec<Bearing>,
+    /// Mean of its bearings along the span [mm].
+    across: f64,
+    /// Its ends along it [mm].
+    ends: [f64; 2],
+}
+
+/// The floor between a side and the next.
+struct Bay<'a> {
+    sides: [&'a Side; 2],
+    /// Axis along the sides.
+    along: usize,
+    /// Where both sides are [mm].
+    ends: [f64; 2],
+}
+
+impl Bay<'_> {
+    /// Distance D of its sides [mm].
+    fn span(&self) -> f64 {
+        self.sides[1].across - self.sides[0].across
+    }
+
+    /// Area in plan [mm²].
+    fn area(&self) -> f64 {
+        self.span() * (self.ends[1] - self.ends[0])
+    }
+
+    /// Bearings of a side beside the bay.
+    fn bearings(&self, side: usize) -> impl Iterator<Item = &Bearing> {
+        let [low, high] = self.ends;
+        let within = move |b: &&Bearing| (low..=high).contains(&b.at[self.along]);
+        self.sides[side].bearings.iter().filter(within)
+    }
+
+    /// Pairs of bearings that joists join, in order along the sides, at most `spacing` apart unless an opening lies
+    /// between them.
+    fn joists(&self, spacing: f64) -> Vec<[&Bearing; 2]> {
+        let [low, high] = self.ends;
+        let count = ((high - low) / spacing).ceil().clamp(1.0, MOST_JOISTS);
+        let step = (high - low) / count;
+        let mut joists: Vec<[&Bearing; 2]> = Vec::new();
+        for k in 0..=count as usize {
+            let s = low + k as f64 * step;
+            let [Some(first), Some(second)] = [0, 1].map(|side| self.nearest(side, s, step)) else {
+                continue;
+            };
+            let is_new = joists.last().is_none_or(|[a, b]| {
+                first.at[self.along] > a.at[self.along] && second.at[self.along] > b.at[self.along]
+            });
+            if is_new {
+                joists.push([first, second]);
+            }
+        }
+        joists
+    }
+
+    /// Bearing nearest to a place along the side; none where an opening has no bearing within half a `step`.
+    fn nearest(&self, side: usize, s: f64, step: f64) -> Option<&Bearing> {
+        let middle = self.sides[side].across;
+        let away = |b: &Bearing| {
+            let along = (b.at[self.along] - s).abs();
+            along + 1e-3 * (b.at[1 - self.along] - middle).abs()
+        };
+        let nearest = self
+            .bearings(side)
+            .min_by(|a, b| away(a).total_cmp(&away(b)))?;
+        let reach = nearest.half + 0.5 * step;
+        ((nearest.at[self.along] - s).abs() <= reach).then_some(nearest)
+    }
+
+    /// Width of the bay [mm].
+    fn width(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// Strands of the joists and of the braces with the width that each stands for [mm], for a floor with this axial
+    /// stiffness and stiffness against shear [N/mm].
+    fn strands(&self, spacing: f64, [axial, shear]: [f64; 2]) -> [Vec<Strand>; 2] {
+        let joists = self.joists(spacing);
+        let (span, whole) = (self.span(), self.width());
+        let between = |a: &[&Bearing; 2], b: &[&Bearing; 2]| {
+            let gaps = [0, 1].map(|side| b[side].at[self.along] - a[side].at[self.along]);
+            0.5 * (gaps[0] + gaps[1])
+        };
+        let gaps: Vec<f64> = joists.windows(2).map(|w| between(&w[0], &w[1])).collect();
+        let covered: f64 = gaps.iter().sum();
+        // Braces join joists about as far apart as the floor spans: steeper ones would stiffen it along the joists.
+        let mean = covered / gaps.len().max(1) as f64;
+        let fields = ((span / mean).round().max(1.0) as usize).min(gaps.len());
+        let pairs = joists.iter().zip(joists.iter().skip(fields.max(1)));
+        let pairs: Vec<_> = pairs.map(|(a, b)| (a, b, between(a, b))).collect();
+        let share = whole / pairs.iter().map(|(_, _, gap)| gap).sum::<f64>();
+        let mut braces = Vec::new();
+        let mut stiffer = 0.0;
+        for (a, b, gap) in pairs {
+            let width = share * gap.hypot(span).powi(3) / (2.0 * gap * span);
+            braces.push((strand(a[0], b[1]), width));
+            braces.push((strand(b[0], a[1]), width));
+            stiffer += share * shear * span / gap;
+        }
+        // What braces add along the joists is taken from these.
+        let own = axial * whole / span;
+        let left = if own > 0.0 {
+            (1.0 - stiffer / own).max(0.0)
+        } else {
+            1.0
+        };
+        let gap = |k: Option<usize>| k.and_then(|k| gaps.get(k)).copied().unwrap_or(0.0);
+        let beside = |k: usize| 0.5 * (gap(k.checked_sub(1)) + gap(Some(k)));
+        let edge = |k: usize| {
+            if k == 0 || k + 1 == joists.len() {
+                whole - covered
+            } else {
+                0.0
+            }
+        };
+        let ends = joists.len().min(2) as f64;
+        let along = joists.iter().enumerate().map(|(k, [a, b])| {
+            let width = beside(k) + edge(k) / ends;
+            (strand(a, b), left * width)
+        });
+        [along.collect(), braces]
+    }
+}
+
+/// Points of a spring, and the width of the floor that it stands for [mm].
+type Strand = (Vec<TiePoint>, f64);
+
+fn strand(a: &Bearing, b: &Bearing) -> Vec<TiePoint> {
+    [a, b].map(Bearing::point).to_vec()
+}
+
+impl Bearing {
+    /// The end of a spring: the middle of the facet.
+    fn point(&self) -> TiePoint {
+        TiePoint {
+            at: self.at,
+            element: self.element as u32,
+            nodes: self.nodes.map(|n| (n, 0.25)).to_vec(),
+        }
+    }
+}
+
+/// The floor of entry `i` and its ties.
+fn floor_of(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    i: usize,
+    floor: &DeckFloor,
+) -> Result<(Floor, Vec<Tie>), ModelError> {
+    let path = format!("floors.{i}.on");
+    let sides = sides(deck, bodies, &path, &floor.on)?;
+    let bays = bays(deck, &path, floor, &sides)?;
+    let ways = sides.iter().filter(|sides| !sides.is_empty()).count() as f64;
+    let area = bays.iter().map(Bay::area).sum::<f64>() / ways;
+    let load = floor.load.map(|load| load.get() * area / GRAVITY);
+    let mass = load.or(floor.mass.map(Quantity::get)).unwrap_or(0.0);
+    let mut masses = Vec::new();
+    for bay in &bays {
+        for side in 0..2 {
+            let part = 0.5 * mass * bay.area() / (ways * area);
+            hang(&mut masses, &bay.bearings(side).collect::<Vec<_>>(), part);
+        }
+    }
+    if bays.is_empty() {
+        let all = sides.iter().flatten().flat_map(|side| &side.bearings);
+        hang(&mut masses, &all.collect::<Vec<_>>(), mass);
+    }
+    masses.sort_by_key(|(node, _)| *node);
+    masses.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
+    let made = Floor {
+        name: floor.name.clone(),
+        area,
+        masses,
+    };
+    Ok((made, tied(floor, &bays, ways)))
+}
+
+/// Ties of a floor: its joists and its braces.
+fn tied(floor: &DeckFloor, bays: &[Bay<'_>], ways: f64) -> Vec<Tie> {
+    let (spacing, [axial, shear]) = (floor.spring_spacing(), floor.stiffness());
+    let [joists, braces] = bays.iter().fold([Vec::new(), Vec::new()], |mut all, bay| {
+        let own = bay.strands(spacing, [axial, shear / ways]);
+        all.iter_mut()
+            .zip(own)
+            .for_each(|(all, own)| all.extend(own));
+        all
+    });
+    let kinds = [("joists", joists, 1.0), ("braces", braces, ways)];
+    let tie = |(name, stiffness): (String, f64)| {
+        let (_, strands, ways) = kinds.iter().find(|(kind, ..)| name.ends_with(kind))?;
+        let (strands, widths): (Vec<_>, Vec<_>) = strands.iter().cloned().unzip();
+        // Springs of a floor that spans both ways resist shear twice.
+        let shares = widths.iter().map(|width| width / ways).collect();
+        (!strands.is_empty()).then_some(Tie {
+            name,
+            law: TieLaw {
+                area: UNIT_THICKNESS,
+                E: stiffness / UNIT_THICKNESS,
+                f_y: f64::INFINITY,
+                hardening: 0.0,
+                rupture: f64::INFINITY,
+                compression: true,
+            },
+            strands,
+            shares,
+        })
+    };
+    floor.ties().filter_map(tie).collect()
+}
+
+/// Spreads a mass over facets by area, a quarter of each part to each node.
+fn hang(masses: &mut Vec<(u32, f64)>, on: &[&Bearing], mass: f64) {
+    let area: f64 = on.iter().map(|bearing| bearing.area).sum();
+    for bearing in on.iter().filter(|_| mass > 0.0) {
+        let part = 0.25 * mass * bearing.area / area;
+        masses.extend(bearing.nodes.map(|n| (n, part)));
+    }
+}
+
+/// Sides that face each other along x, and those that face each other along y, in order.
+fn sides(
+    deck: &Deck,
+    bodies: &Bodies<'_>,
+    path: &str,
+    on: &Names,
+) -> Result<[Vec<Side>; 2], ModelError> {
+    let mut sides = [Vec::new(), Vec::new()];
+    for name in &on.0 {
+        let places = bodies.places(path, &Names(vec![name.clone()]), true)?;
+        let mut facets = Vec::new();
+        for place in &places {
+            let face = place.face.map(|face| &bodies.all[place.body].faces[face]);
+            facets.extend(face.into_iter().flat_map(|face| face.facets.clone()));
+        }
+        let corners = |nodes: &[u32; 4]| nodes.map(|n| bodies.mesh.nodes[n as usize]);
+        let extent = |axis: usize| {
+            let all = facets.iter().flat_map(|(_, nodes)| corners(nodes));
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x[axis]), high.max(x[axis])]
+            })
+        };
+        let [x, y] = [extent(0), extent(1)];
+        let (long_x, long_y) = (x[1] - x[0], y[1] - y[0]);
+        if (long_x - long_y).abs() <= 0.1 * long_x.max(long_y) {
+            return Err(deck
+                .error(
+                    path,
+                    format!("{name} is {long_x:.0} by {long_y:.0} mm in plan: a side of a floor lies along x or y"),
+                    "name faces of walls along x or y",
+                )
+                .of_kind(ErrorKind::Geometry));
+        }
+        let along = usize::from(long_y > long_x);
+        let bearings: Vec<Bearing> = facets
+            .iter()
+            .map(|(element, nodes)| {
+                let corners = corners(nodes);
+                let middle = |d: usize| 0.25 * corners.iter().map(|x| x[d]).sum::<f64>();
+                let at = [0, 1, 2].map(middle);
+                let reach = corners.iter().map(|x| (x[along] - at[along]).abs());
+                Bearing {
+                    element: *element,
+                    nodes: *nodes,
+                    at,
+                    area: norm(area_vector(&corners)),
+                    half: reach.fold(0.0, f64::max),
+                }
+            })
+            .collect();
+        let across = bearings.iter().map(|b| b.at[1 - along]).sum::<f64>() / bearings.len() as f64;
+        sides[1 - along].push(Side {
+            name: name.clone(),
+            bearings,
+            across,
+            ends: [x, y][along],
+        });
+    }
+    for sides in &mut sides {
+        sides.sort_by(|a: &Side, b: &Side| a.across.total_cmp(&b.across));
+    }
+    Ok(sides)
+}
+
+/// The bays between sides.
+fn bays<'a>(
+    deck: &Deck,
+    path: &str,
+    floor: &DeckFloor,
+    sides: &'a [Vec<Side>; 2],
+) -> Result<Vec<Bay<'a>>, ModelError> {
+    let wrong = |message: String, help: &str| {
+        let error = deck.error(path, message, help);
+        Err(error.of_kind(ErrorKind::Geometry))
+    };
+    let springs = floor.stiffness() != [0.0; 2];
+    let one = sides.iter().map(Vec::len).sum::<usize>() == 1;
+    if one && floor.load.is_none() && !springs {
+        return Ok(Vec::new()); // a mass on one wall
+    }
+    let mut bays = Vec::new();
+    for (span, sides) in sides.iter().enumerate() {
+        let along = 1 - span;
+        if let [alone] = &sides[..] {
+            let axis = ["x", "y"][span];
+            return wrong(
+                format!("no face lies opposite {} along {axis}", alone.name),
+                "a floor spans between faces; a `mass` alone may hang on one face",
+            );
+        }
+        for pair in sides.windows(2) {
+            let [a, b] = pair else { continue };
+            let ends = [a.ends[0].max(b.ends[0]), a.ends[1].min(b.ends[1])];
+            let bay = Bay {
+                sides: [a, b],
+                along,
+                ends,
+            };
+            let bears = ends[0] < ends[1] && bay.span() > 0.0;
+            if !bears || (0..2).any(|side| bay.bearings(side).next().is_none()) {
+                let names = format!("{} and {}", a.name, b.name);
+                let help = "a floor spans between faces that stand opposite each other";
+                return wrong(format!("{names} do not face each other"), help);
+            }
+            bays.push(bay);
+        }
+    }
+    Ok(bays)
+}

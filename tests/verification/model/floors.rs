@@ -1,0 +1,217 @@
+//! Floors: their weight on the faces that carry them, and the stiffness of their springs.
+
+use crate::common::blocks::{Bad, GRAVITY, HEAD, deck_and_model, refuses};
+use crate::common::scene::{completed, gap};
+use wythe::limit::{LimitSettings, analyse};
+
+/// Length of the walls, and distance of their middles [mm].
+const LENGTH: f64 = 3000.0;
+const SPAN: f64 = 4000.0;
+
+/// Two walls along x, `front` and `back`, with a floor on their tops.
+fn two_walls(floor: &str) -> String {
+    let wall = |name: &str, y: f64| {
+        format!(
+            "[[blocks]]\nname = \"{name}\"\nsize = [{LENGTH}, 200, 1000]\nat = [0, {y}, 0]\nmaterial = \"stone\"\nmesh = [6, \
+             1, 2]\n[[supports]]\non = \"{name}.bottom\"\n"
+        )
+    };
+    format!(
+        "{HEAD}{}{}[[floors]]\nname = \"first\"\non = [\"front.top\", \"back.top\"]\n{floor}\n",
+        wall("front", 0.0),
+        wall("back", SPAN)
+    )
+}
+
+/// Force of a drive of the top of the back wall by 0.1 mm [N].
+fn force_of(floor: &str, direction: &str) -> f64 {
+    let drive = format!(
+        "[[steps]]\nkind = \"drive\"\nface = \"back.bottom\"\ndirection = \"{direction}\"\ndisplacement = \"0.1 mm\"\n"
+    );
+    let scene = two_walls(floor).replace("[[supports]]\non = \"back.bottom\"\n", "");
+    let (_, model) = deck_and_model(&format!("{scene}{drive}"));
+    let recording = completed(&model);
+    1e3 * recording.rows.last().expect("a row").force_kN
+}
+
+#[test]
+fn a_floor_weighs_on_both_of_its_walls() {
+    let (_, model) = deck_and_model(&format!("{}{GRAVITY}", two_walls("load = \"3 kN/m^2\"")));
+    let floor = &model.floors[0];
+    let area = LENGTH * SPAN;
+    assert!((floor.area - area).abs() < 1e-6 * area, "{}", floor.area);
+    let weight = 3e-3 * area;
+    assert!((floor.mass() * 9810.0 - weight).abs() < 1e-9 * weight);
+    let recording = completed(&model);
+    let row = recording.rows.last().expect("a row");
+    let wall = LENGTH * 200.0 * 1000.0 * 2000e-12 * 9810.0;
+    for (support, name) in ["front", "back"].iter().enumerate() {
+        let carried = row.reactions[support][2];
+        // Tolerance of equilibrium: 2e-3.
+        assert!(
+            (carried - wall - 0.5 * weight).abs() < 2e-3 * carried,
+            "{name}: {carried}"
+        );
+    }
+    assert!(gap(row) < 1e-6, "{}", gap(row));
+}
+
+/// Joists: E A over the distance of the walls. Braces: G t times the width over it.
+#[test]
+fn the_springs_of_a_floor_have_its_stiffness() {
+    let drives = [("y", 10.0), ("x", 0.5)];
+    for (floor, drives) in [
+        ("axial = 10\nspacing = 500", &drives[..1]),
+        ("axial = 10\nshear = 0.5\nspacing = 500", &drives),
+        ("axial = 10\nshear = 0.5\nspacing = 1400", &drives),
+        ("axial = 10\nshear = 0.5\nspacing = 9000", &drives),
+    ] {
+        for (direction, stiffness) in drives {
+            let expected = 0.1 * stiffness * LENGTH / SPAN;
+            let force = force_of(floor, direction);
+            println!("{floor}, {direction}: {force} ({expected})");
+            // Both walls yield as cantilevers, by 30 kN/mm each, and the floor by 7.5 N/mm: 5e-4. The drive turns the
+            // springs by 2.5e-5.
+            assert!(
+                (force / expected - 1.0).abs() < 2e-3,
+                "{floor}: {force} {expected}"
+            );
+        }
+    }
+}
+
+/// Walls on all four sides: the floor spans both ways, and half of it weighs on each pair.
+#[test]
+fn a_floor_on_four_walls_spans_both_ways() {
+    let sides = "[[blocks]]\nname = \"left\"\nsize = [200, 3000, 1000]\nat = [-1000, 500, 0]\nmaterial = \"stone\"\nmesh \
+                 = [1, 6, 2]\n[[supports]]\non = \"left.bottom\"\n[[blocks]]\nname = \"right\"\nsize = [200, 3000, 1000]\nat \
+                 = [3800, 500, 0]\nmaterial = \"stone\"\nmesh = [1, 6, 2]\n[[supports]]\non = \"right.bottom\"\n";
+    let floor = "mass = 4\naxial = 10\nshear = 5\nspacing = 500";
+    let four = two_walls(floor).replace(
+        "\"back.top\"]",
+        "\"back.top\", \"right.top\", \"left.top\"]",
+    );
+    let (_, model) = deck_and_model(&format!("{four}{sides}{GRAVITY}"));
+    let row = completed(&model).rows.last().expect("a row").clone();
+    let wall = 9810.0 * 3000.0 * 200.0 * 1000.0 * 2000e-12;
+    // Parts by the areas of both ways: 3000 x 4000 and 3000 x 4800.
+    let [ours, theirs] = [12.0, 14.4].map(|part| 4.0 * 9810.0 * part / 26.4 / 2.0);
+    for (reaction, part) in row.reactions.iter().zip([ours, ours, theirs, theirs]) {
+        // Tolerance of equilibrium: 2e-3.
+        assert!(
+            (reaction[2] - wall - part).abs() < 2e-3 * wall,
+            "{reaction:?} {part}"
+        );
+    }
+    assert_eq!(
+        model.floors[0].area,
+        0.5 * (3000.0 * 4000.0 + 3000.0 * 4800.0)
+    );
+}
+
+/// A pier that tips about its edge with a floor on it: λ (m h/2 + M h) = (m + M) b/2.
+#[test]
+fn limit_analysis_knows_the_mass_of_floors() {
+    let [width, depth, height] = [200.0, 600.0, 1000.0];
+    let scene = format!(
+        "{HEAD}[[blocks]]\nname = \"base\"\nsize = [600, 700, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+         [[blocks]]\nname = \"pier\"\nsize = [{width}, {depth}, {height}]\nmaterial = \"stone\"\n[[contacts]]\nslave = \
+         \"pier.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n[[supports]]\non = \"base.bottom\"\n[[floors]]\nname = \
+         \"roof\"\non = \"pier.top\"\nmass = 0.1\n[[steps]]\nkind = \"gravity\"\n"
+    );
+    let (_, model) = deck_and_model(&scene);
+    let settings = LimitSettings {
+        along: Some([1.0, 0.0, 0.0]),
+        ..LimitSettings::default()
+    };
+    let factor = analyse(&model, &settings).expect("a factor").factor;
+    let own = width * depth * height * 2000e-12;
+    let known = (own + 0.1) * 0.5 * width / (0.5 * own * height + 0.1 * height);
+    // The programs are solved to 1e-9, their forces settle to 1e-4.
+    assert!((factor / known - 1.0).abs() < 1e-4, "{factor} {known}");
+}
+
+#[test]
+fn bad_floors_are_errors() {
+    let good = format!("{}{GRAVITY}", two_walls("load = 0.003"));
+    let bad: &[Bad] = &[
+        (
+            "load = 0.003",
+            "",
+            "floors.0.load",
+            "neither weighs nor ties",
+            "kN/m^2",
+        ),
+        (
+            "load = 0.003",
+            "load = 0.003\nmass = 1",
+            "floors.0.mass",
+            "both",
+            "in all",
+        ),
+        (
+            "load = 0.003",
+            "load = -1",
+            "floors.0.load",
+            "not positive",
+            "above 0",
+        ),
+        (
+            "load = 0.003",
+            "rigid = true\naxial = 5",
+            "floors.0.rigid",
+            "its own stiffness",
+            "leave out",
+        ),
+        (
+            "load = 0.003",
+            "load = 0.003\nspacing = 5",
+            "floors.0.spacing",
+            "no springs",
+            "leave it out",
+        ),
+        (
+            "kind = \"gravity\"",
+            "kind = \"drive\"\nface = \"back.top\"\ndirection = \"x\"\ndisplacement = 1",
+            "floors.0",
+            "no step has gravity",
+            "gravity",
+        ),
+        (
+            "\"back.top\"",
+            "\"bock.top\"",
+            "floors.0.on",
+            "no block named",
+            "back",
+        ),
+        (
+            ", \"back.top\"",
+            "",
+            "floors.0.on",
+            "no face lies opposite",
+            "one face",
+        ),
+        (
+            "\"back.top\"",
+            "\"back.left\"",
+            "floors.0.on",
+            "lies opposite",
+            "one face",
+        ),
+        (
+            "name = \"first\"",
+            "name = \"1st\"",
+            "floors.0.name",
+            "no name for a floor",
+            "letter",
+        ),
+        (
+            "load = 0.003",
+            "load = 0.003\n[[symmetry]]\nnormal = \"x\"\nat = 1500",
+            "floors",
+            "planes of symmetry",
+            "whole",
+        ),
+    ];
+    refuses(&good, bad);
+}
