@@ -1,6 +1,7 @@
 //! Relaxation: dashpots carry the structure over a snap to the next equilibrium, and their work is counted.
 
-use crate::common::scene::completed;
+use crate::common::blocks::{HEAD, deck_and_model};
+use crate::common::scene::{completed, gap};
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::state::HistoryRow;
@@ -47,4 +48,78 @@ fn a_brick_that_snaps_is_relaxed_once_and_its_energy_is_counted() {
     // displacement of the snap.
     let rest = last.damping_dissipation_J - after.damping_dissipation_J;
     assert!(rest.abs() < 2e-5 * dashpots, "{rest} J");
+}
+
+/// A block hangs from another one by a bond that carries less than its weight, 1 mm above its base.
+const HANGING: &str = "
+[interfaces.bond]
+f_t = 0.0015
+G_I = 5e-5
+c = 0.003
+G_II = 5e-4
+zeta = 4.38
+xi = 1.1
+tan_phi = 0.6
+mu = 0.6
+[[blocks]]
+name = \"base\"
+size = [200, 200, 100]
+material = \"stone\"
+[[blocks]]
+name = \"loose\"
+size = [200, 200, 100]
+at = [0, 0, 101]
+material = \"stone\"
+[[blocks]]
+name = \"above\"
+size = [200, 200, 100]
+at = [0, 0, 201]
+material = \"stone\"
+[[contacts]]
+slave = \"loose.bottom\"
+master = \"base.top\"
+interface = \"dry\"
+[[contacts]]
+slave = \"above.bottom\"
+master = \"loose.top\"
+interface = \"bond\"
+[[supports]]
+on = \"base.bottom\"
+[[springs]]
+name = \"jack\"
+on = \"above.top\"
+stiffness = [1e4, 1e4, 1e4]
+[[probes]]
+name = \"loose\"
+on = \"loose.bottom\"
+direction = \"z\"
+[[steps]]
+kind = \"gravity\"
+[[steps]]
+kind = \"drive\"
+spring = \"jack\"
+direction = \"z\"
+displacement = 1
+";
+
+/// The block comes loose under its weight. A relaxation puts it on its base; inertia is not needed.
+#[test]
+fn a_block_that_comes_loose_is_put_down() {
+    let head = HEAD.replace("[contact]\n", "[contact]\nsearch_radius = 20\n");
+    let (_, model) = deck_and_model(&format!("{head}{HANGING}"));
+    let rows = completed(&model).rows;
+    let by = |method: Method| rows.iter().filter(|row| row.procedure == method).count();
+    assert_eq!((by(Method::Relaxation), by(Method::QuasiStatic)), (1, 0));
+    let last = rows.last().expect("a row");
+    // The base is compressed by 1e-4 mm by the weight.
+    assert!((last.probes[0] + 1.0).abs() < 1e-3, "{last:?}");
+    let weight = 200.0 * 200.0 * 100.0 * 2000e-12 * 9810.0;
+    // Tolerance of equilibrium: 2e-3. The base carries itself and the loose block, the jack the other one.
+    let [carried, hangs] = [last.reactions[0][2], 1e3 * last.force_kN];
+    assert!((carried / weight - 2.0).abs() < 4e-3, "{carried} {weight}");
+    assert!((hangs / weight - 1.0).abs() < 2e-3, "{hangs} {weight}");
+    // The dashpots take the energy of the fall.
+    let fall = 1e-3 * weight;
+    assert!(last.damping_dissipation_J > 0.5 * fall && last.damping_dissipation_J < fall);
+    assert!(gap(last) < 1e-2, "{}", gap(last));
 }

@@ -274,7 +274,8 @@ def wall(
         Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``,
-        ``settlements``, ``floors``, ``beams``, ``ties``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``, ``blocks``.
+        ``settlements``, ``floors``, ``beams``, ``ties``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``,
+        ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:

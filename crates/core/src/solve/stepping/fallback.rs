@@ -213,9 +213,9 @@ impl Fallback {
         self.at < self.statics && self.place(Method::Implex).is_some()
     }
 
-    /// Whether statics is still in use.
-    pub fn is_static(&self) -> bool {
-        self.at < self.statics
+    /// Whether statics is in use and would be left for a body that comes loose in an increment of this size.
+    pub fn would_move(&self, size: f64) -> bool {
+        self.at < self.statics && (self.inertia().is_some() || self.is_small(size))
     }
 
     /// Increment size below which errors are reported but no longer reduced.

@@ -105,17 +105,18 @@ impl<'m> Run<'m> {
         request: IncrementRequest,
         rejection: &Rejection,
     ) -> bool {
-        let loose = is_loose(rejection);
+        let (loose, size) = (is_loose(rejection), request.increment.size);
         let applies = match step_run.step.procedure {
-            // A unit that comes loose in a wall finds its next support within the joint. Loose bodies fly.
+            // A unit that comes loose in a wall finds its next support within the joint. Dry stones that nothing
+            // presses yet are all loose, and bodies in general contact fly.
             Procedure::Auto if loose => {
-                step_run.fallback.is_static() && self.model.contact.general.is_none()
+                let in_a_wall = self.state.increments > 0 && self.model.contact.general.is_none();
+                in_a_wall && step_run.fallback.would_move(size)
             }
             Procedure::Auto => step_run.fallback.may_snap(),
             Procedure::DisplacementControl => !loose,
             _ => false,
         };
-        let size = request.increment.size;
         let stuck = match rejection {
             // The path of a clear snap-back is followed where that is possible.
             Rejection::Snap => !step_run.fallback.prefers_paths(),
