@@ -214,4 +214,13 @@ fn bad_floors_are_errors() {
         ),
     ];
     refuses(&good, bad);
+    let narrow = good.replace("mesh = [6, 1, 2]", "mesh = [1, 1, 2]");
+    let springs: &[Bad] = &[(
+        "load = 0.003",
+        "shear = 5",
+        "floors.0.on",
+        "no room for first-braces",
+        "mesh",
+    )];
+    refuses(&narrow, springs);
 }

@@ -249,26 +249,43 @@ fn floor_of(
         area,
         masses,
     };
-    Ok((made, tied(floor, &bays, ways)))
+    let ties = tied(deck, &path, floor, (&bays, ways))?;
+    Ok((made, ties))
 }
 
 /// Ties of a floor: its joists and its braces.
-fn tied(floor: &DeckFloor, bays: &[Bay<'_>], ways: f64) -> Vec<Tie> {
+///
+/// # Errors
+/// A stiffness without springs: fewer than two joists find facets on both sides.
+fn tied(
+    deck: &Deck,
+    path: &str,
+    floor: &DeckFloor,
+    (bays, ways): (&[Bay<'_>], f64),
+) -> Result<Vec<Tie>, ModelError> {
     let (spacing, [axial, shear]) = (floor.spring_spacing(), floor.stiffness());
-    let [joists, braces] = bays.iter().fold([Vec::new(), Vec::new()], |mut all, bay| {
+    let all = bays.iter().fold([Vec::new(), Vec::new()], |mut all, bay| {
         let own = bay.strands(spacing, [axial, shear / ways]);
         all.iter_mut()
             .zip(own)
             .for_each(|(all, own)| all.extend(own));
         all
     });
-    let kinds = [("joists", joists, 1.0), ("braces", braces, ways)];
-    let tie = |(name, stiffness): (String, f64)| {
-        let (_, strands, ways) = kinds.iter().find(|(kind, ..)| name.ends_with(kind))?;
-        let (strands, widths): (Vec<_>, Vec<_>) = strands.iter().cloned().unzip();
-        // Springs of a floor that spans both ways resist shear twice.
-        let shares = widths.iter().map(|width| width / ways).collect();
-        (!strands.is_empty()).then_some(Tie {
+    let mut ties = Vec::new();
+    // Springs of a floor that spans both ways resist shear twice.
+    for (((name, stiffness), strands), ways) in floor.ties().into_iter().zip(all).zip([1.0, ways]) {
+        if stiffness == 0.0 {
+            continue;
+        }
+        if strands.is_empty() {
+            let message =
+                format!("there is no room for {name}: too few facets lie opposite each other");
+            let help = "joists join facets of opposite sides, braces need two joists: divide blocks by `mesh`";
+            let error = deck.error(path, message, help);
+            return Err(error.of_kind(ErrorKind::Geometry));
+        }
+        let (strands, widths): (Vec<_>, Vec<_>) = strands.into_iter().unzip();
+        ties.push(Tie {
             name,
             law: TieLaw {
                 area: UNIT_THICKNESS,
@@ -279,10 +296,10 @@ fn tied(floor: &DeckFloor, bays: &[Bay<'_>], ways: f64) -> Vec<Tie> {
                 compression: true,
             },
             strands,
-            shares,
-        })
-    };
-    floor.ties().filter_map(tie).collect()
+            shares: widths.iter().map(|width| width / ways).collect(),
+        });
+    }
+    Ok(ties)
 }
 
 /// Spreads a mass over facets by area, a quarter of each part to each node.

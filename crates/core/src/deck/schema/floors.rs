@@ -51,17 +51,15 @@ impl DeckFloor {
         self.spacing.map_or(SPACING, Length::get)
     }
 
-    /// Names of its ties, with the stiffness of each for each width [N/mm].
-    pub fn ties(&self) -> impl Iterator<Item = (String, f64)> {
-        let named = ["joists", "braces"].map(|kind| format!("{}-{kind}", self.name));
-        let all = named.into_iter().zip(self.stiffness());
-        all.filter(|(_, stiffness)| *stiffness > 0.0)
+    /// Names of its ties, joists and braces, with the stiffness of each for each width [N/mm]; 0 if it has none.
+    pub fn ties(&self) -> [(String, f64); 2] {
+        let [axial, shear] = self.stiffness();
+        [("joists", axial), ("braces", shear)].map(|(kind, k)| (format!("{}-{kind}", self.name), k))
     }
 
     /// Names of its columns in the history.
     pub fn columns(&self) -> Vec<String> {
-        self.ties()
-            .flat_map(|(name, _)| Tie::columns(&name))
-            .collect()
+        let ties = self.ties().into_iter().filter(|(_, k)| *k > 0.0);
+        ties.flat_map(|(name, _)| Tie::columns(&name)).collect()
     }
 }
