@@ -8,7 +8,8 @@
 //! ```
 //!
 //! The 2×2×2 Gauss points of the element integrate the volume of a trilinear hexahedron exactly, so the total mass
-//! is exact. Floors add their masses to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
+//! is exact. Floors add their masses to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements
+//! moves nothing.
 
 use super::Bulk;
 use super::dofs::{DofMap, HELD};

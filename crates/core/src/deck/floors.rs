@@ -17,13 +17,13 @@
 use super::bodies::Bodies;
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckFloor, Names};
-use crate::element::hexahedron::{area_vector, norm};
+use crate::element::hexahedron::{area_vector, norm, range};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::floors::Floor;
 use crate::model::scene::Step;
 use crate::model::ties::{Tie, TieLaw, TiePoint, TieStage};
 
-/// Most springs across a side: more stand closer than elements.
+/// Largest number of springs along a side, so that a slip in `spacing` does not fill the memory.
 const MOST_JOISTS: f64 = 1000.0;
 
 /// Thickness of the width that a strand of a tie stands for [mm]: its Young's modulus is then a membrane stiffness.
@@ -53,7 +53,6 @@ pub(super) fn floors(
 }
 
 /// A facet that carries the floor.
-#[derive(Clone)]
 struct Bearing {
     element: usize,
     nodes: [u32; 4],
@@ -92,7 +91,7 @@ impl Bay<'_> {
 
     /// Area in plan [mm²].
     fn area(&self) -> f64 {
-        self.span() * (self.ends[1] - self.ends[0])
+        self.span() * self.width()
     }
 
     /// Bearings of a side beside the bay.
@@ -105,9 +104,9 @@ impl Bay<'_> {
     /// Pairs of bearings that joists join, in order along the sides, at most `spacing` apart unless an opening lies
     /// between them.
     fn joists(&self, spacing: f64) -> Vec<[&Bearing; 2]> {
-        let [low, high] = self.ends;
-        let count = ((high - low) / spacing).ceil().clamp(1.0, MOST_JOISTS);
-        let step = (high - low) / count;
+        let low = self.ends[0];
+        let count = (self.width() / spacing).ceil().clamp(1.0, MOST_JOISTS);
+        let step = self.width() / count;
         let mut joists: Vec<[&Bearing; 2]> = Vec::new();
         for k in 0..=count as usize {
             let s = low + k as f64 * step;
@@ -321,17 +320,15 @@ fn sides(
     let mut sides = [Vec::new(), Vec::new()];
     for name in &on.0 {
         let places = bodies.places(path, &Names(vec![name.clone()]), true)?;
-        let mut facets = Vec::new();
-        for place in &places {
-            let face = place.face.map(|face| &bodies.all[place.body].faces[face]);
-            facets.extend(face.into_iter().flat_map(|face| face.facets.clone()));
-        }
+        let faces = places.iter().filter_map(|place| {
+            let face = place.face?;
+            Some(&bodies.all[place.body].faces[face])
+        });
+        let facets: Vec<_> = faces.flat_map(|face| &face.facets).collect();
         let corners = |nodes: &[u32; 4]| nodes.map(|n| bodies.mesh.nodes[n as usize]);
         let extent = |axis: usize| {
             let all = facets.iter().flat_map(|(_, nodes)| corners(nodes));
-            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(x[axis]), high.max(x[axis])]
-            })
+            range(all.map(|x| x[axis]))
         };
         let [x, y] = [extent(0), extent(1)];
         let (long_x, long_y) = (x[1] - x[0], y[1] - y[0]);
