@@ -6,7 +6,7 @@ use wythe::model::Model;
 use wythe::model::probes::Probe;
 use wythe::model::probes::ProbeQuantity;
 use wythe::model::scene::{Control, Gravity, Increments, Procedure, Step, Tangent};
-use wythe::state::Method;
+use wythe::state::{HistoryRow, Method, Status};
 
 /// The bar of the atlas with other steps.
 fn bar(steps: &str) -> Recording {
@@ -382,4 +382,135 @@ fn a_control_must_be_a_probe_of_displacement() {
             .contains("belongs to the procedure")
     );
     assert!(deck("procedure = \"implex\"\ntangent = \"direct\"").contains("secant stiffness"));
+}
+
+/// A cantilever with a cap, whose end is pushed sideways by a load that its displacement steers. A brick hangs from it by
+/// its bond; a post beside the brick stops it, so that the bond breaks and the brick falls.
+const HANGING_BRICK: &str = r#"
+format = 1
+
+[materials.elastic]
+E = "1000 MPa"
+nu = 0.0
+density = "2000 kg/m^3"
+
+[interfaces.bond]
+f_t = "0.05 MPa"
+c = "0.05 MPa"
+tan_phi = 0.5
+mu = 0.0
+zeta = 4.38
+xi = 1.1
+G_I = "0.002 N/mm"
+G_II = "0.002 N/mm"
+
+[[blocks]]
+name = "beam"
+size = [300, 50, 50]
+at = [0, 0, 100]
+mesh = [6, 1, 1]
+material = "elastic"
+
+[[blocks]]
+name = "brick"
+size = [50, 50, 50]
+at = [250, 0, 50]
+mesh = [1, 1, 1]
+material = "elastic"
+
+[[blocks]]
+name = "post"
+size = [50, 50, 50]
+at = [250, 50, 50]
+mesh = [1, 1, 1]
+material = "elastic"
+
+[[blocks]]
+name = "cap"
+size = [200, 50, 50]
+at = [100, 0, 150]
+mesh = [1, 1, 1]
+material = "elastic"
+
+[[contacts]]
+slave = "brick.top"
+master = "beam.bottom"
+interface = "bond"
+
+[[contacts]]
+slave = "cap.bottom"
+master = "beam.top"
+interface = "mortar"
+
+[[contacts]]
+slave = "brick.back"
+master = "post.front"
+interface = "smooth"
+
+[interfaces.mortar]
+f_t = "1 MPa"
+c = "1 MPa"
+tan_phi = 0.5
+mu = 0.5
+zeta = 4.38
+xi = 1.1
+G_I = "0.1 N/mm"
+G_II = "0.5 N/mm"
+
+[interfaces.smooth]
+f_t = "0 MPa"
+c = "0 MPa"
+tan_phi = 0.0
+mu = 0.0
+
+[[supports]]
+on = "beam.left"
+[[supports]]
+on = "post"
+
+[[probes]]
+name = "tip"
+on = "beam.right"
+direction = "y"
+
+[[steps]]
+kind = "gravity"
+
+[[steps]]
+kind = "load"
+procedure = "displacement_control"
+control = { probe = "tip", displacement = 2 }
+[[steps.loads]]
+name = "push"
+on = "beam.right"
+force = [0, "10 N", 0]
+"#;
+
+#[test]
+fn inertia_carries_a_brick_that_falls_while_a_displacement_steers_the_load() {
+    let deck = Deck::from_str(HANGING_BRICK, "brick.toml").unwrap();
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let (recording, summary) = scene::run(&model);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    let used = |method| recording.rows.iter().any(|r| r.procedure == method);
+    assert!(used(Method::DisplacementControl) && used(Method::QuasiStatic));
+    let fallen = &summary.fall.as_ref().unwrap().bodies;
+    assert_eq!(fallen.len(), 1);
+    assert_eq!(fallen[0].name, "brick");
+    // The cantilever is elastic: after the brick has gone the load is proportional to the displacement.
+    let after: Vec<_> = recording
+        .rows
+        .iter()
+        .filter(|r| r.probes[0] > 1.0)
+        .collect();
+    let stiffness = |row: &HistoryRow| row.load_factor / row.probes[0];
+    let last = after[after.len() - 1];
+    let before = recording.rows.iter().rfind(|r| r.step == 0).unwrap();
+    let way = last.probes[0] - before.probes[0];
+    assert!((way - 2.0).abs() < 1e-9, "{way}"); // rounding of increments that add up
+    for row in after {
+        // Waves of the blow by which the brick left the post.
+        let ratio = stiffness(row) / stiffness(last);
+        assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
+    }
 }

@@ -312,9 +312,14 @@ impl Procedure {
         matches!(self, Self::QuasiStatic | Self::Dynamic { .. })
     }
 
+    /// Whether the step seeks equilibria, and inertia acts only where there is none.
+    pub fn seeks_equilibrium(self) -> bool {
+        matches!(self, Self::Auto | Self::DisplacementControl)
+    }
+
     /// Whether inertia may act: in all increments, or where the fallback uses it.
     pub fn may_move(self) -> bool {
-        self.has_inertia() || self == Self::Auto
+        self.has_inertia() || self.seeks_equilibrium()
     }
 }
 

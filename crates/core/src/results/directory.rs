@@ -26,7 +26,7 @@ use crate::deck::Deck;
 use crate::files::{self, write_whole};
 use crate::model::Model;
 use crate::model::reactions;
-use crate::model::scene::{Procedure, Step};
+use crate::model::scene::Step;
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::EnergyBalance;
@@ -269,7 +269,7 @@ impl RunDirectory {
         let step = model.steps.get(row.step);
         let of = step.map_or_else(StepOfCurve::default, |step| StepOfCurve {
             driven: is_driven(model, step),
-            seeks_equilibrium: step.procedure == Procedure::Auto,
+            seeks_equilibrium: step.procedure.seeks_equilibrium(),
         });
         self.curve.push(row, of);
         self.energy.push(row);

@@ -326,9 +326,11 @@ fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     let any = steps.iter().any(drives);
     let of = |step: &toml::Value| StepOfCurve {
         driven: if any { drives(step) } else { loads(step) },
-        seeks_equilibrium: step
-            .get("procedure")
-            .is_none_or(|procedure| procedure.as_str() == Some("auto")),
+        seeks_equilibrium: step.get("procedure").is_none_or(|name| {
+            ["auto", "displacement_control"]
+                .map(Some)
+                .contains(&name.as_str())
+        }),
     };
     Some(steps.iter().map(of).collect())
 }

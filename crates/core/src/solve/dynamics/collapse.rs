@@ -1,11 +1,12 @@
-//! Collapse: `auto` changed to inertia because statics found no equilibrium, and bodies fall (docs/theory/inertia.md,
+//! Collapse: a step changed to inertia because statics found no equilibrium, and bodies fall (docs/theory/inertia.md,
 //! eq. 11).
 //!
 //! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
 //! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
 //! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
-//! then ends: it seeks an equilibrium, and there is none. A step that drives continues until falling bodies have more
-//! than half of the mass of all bodies without support, because stones may fall off a wall that still carries load.
+//! then ends: it seeks an equilibrium, and there is none. A step that drives, or whose load a displacement steers,
+//! continues until falling bodies have more than half of the mass of all bodies without support, because stones may
+//! fall off a wall that still carries load.
 //! Procedures with inertia that the deck names are never ended, because their motion is the result.
 
 use serde::{Deserialize, Serialize};
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::assembly::System;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure};
+use crate::model::scene::{BeamMotion, Step};
 use crate::solve::Recorder;
 use crate::solve::stepping::history_row::drives;
 use crate::solve::stepping::run::Run;
@@ -90,8 +91,8 @@ impl Run<'_> {
         method: Method,
         before: f64,
     ) -> bool {
-        let is_auto = step_run.step.procedure == Procedure::Auto;
-        if !is_auto || method != Method::QuasiStatic {
+        let seeks = step_run.step.procedure.seeks_equilibrium();
+        if !seeks || method != Method::QuasiStatic {
             return false;
         }
         let energies = self.state.energies;
@@ -111,7 +112,7 @@ impl Run<'_> {
             bodies.map(|body| body.mass).sum()
         };
         let fallen = mass(&falls);
-        let collapsed = if drives(step_run.step) {
+        let collapsed = if prescribes(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
             fallen > 0.0
@@ -153,14 +154,14 @@ impl Run<'_> {
         else {
             return;
         };
-        let drives = drives(&self.model.steps[last]);
-        let part = if drives { 1.0 } else { AT_END };
+        let prescribes = prescribes(&self.model.steps[last]);
+        let part = if prescribes { 1.0 } else { AT_END };
         let falls = |body: &Moved| body.way() > part * body.edge + driven;
         let any = bodies.iter().any(falls);
-        if drives && !any {
+        if prescribes && !any {
             return;
         }
-        if !drives && any && last_equilibrium.hastens {
+        if !prescribes && any && last_equilibrium.hastens {
             self.summary.status = Status::Collapsed;
         }
         self.summary.fall = self.fall(last, &bodies, driven);
@@ -220,6 +221,11 @@ impl Run<'_> {
         let size = length(gravity);
         gravity.map(|g| if size > 0.0 { g / size } else { 0.0 })
     }
+}
+
+/// Whether a step prescribes a displacement: that of a drive, or one that steers the load.
+fn prescribes(step: &Step) -> bool {
+    drives(step) || step.control.is_some()
 }
 
 /// Mean displacement, size and mass of each body. `[unit]`

@@ -145,8 +145,12 @@ impl Motion {
         Some(motion)
     }
 
-    /// Sets the velocities of drives to `slope` times those without an amplitude.
+    /// Sets the velocities of drives to `slope` times those without an amplitude. Where a displacement steers the
+    /// load, drives have no prescribed rate, and the inertia of what they move is left out.
     pub fn drive_at(&mut self, step: &Step, system: &System, slope: f64) {
+        if step.control.is_some() {
+            return;
+        }
         for (b, motion) in step.motion.iter().enumerate() {
             for (i, motion) in motion.iter().enumerate() {
                 if let BeamMotion::Driven(by) = motion {

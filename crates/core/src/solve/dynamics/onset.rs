@@ -23,10 +23,12 @@ impl Run<'_> {
 
     /// Gives the bodies the velocities of the last increment when inertia takes over from statics
     /// (docs/theory/inertia.md, eq. 9). From rest, the drive would have to accelerate them, by a force that no
-    /// equilibrium has. A jump to another equilibrium is excluded, because it is not a motion.
+    /// equilibrium has. A jump to another equilibrium is excluded, because it is not a motion. `sense`: sign of the load
+    /// that grows; 0 where a displacement steers it.
     pub(in crate::solve) fn carry_momentum(&mut self, sense: f64) {
         let (state, mass) = (&mut self.state, &self.system.mass);
-        let forth = |last: &&LastIncrement| sense * last.load > 0.0 && last.dt > 0.0;
+        let grows = |last: &&LastIncrement| sense == 0.0 || sense * last.load > 0.0;
+        let forth = |last: &&LastIncrement| grows(last) && last.dt > 0.0;
         let last = state.last.as_ref().or(state.moved.as_ref());
         let Some(last) = last.filter(forth) else {
             return;

@@ -414,7 +414,7 @@ impl<'m> Newton<'m> {
         let force = self.solve_with_load(at.system, at.trial)?;
         at.solves.one_more();
         // The first iterate takes the full prescribed advance.
-        let searches = on_path && self.choice.method == Method::DisplacementControl;
+        let searches = on_path && self.step.control.is_some();
         self.follow(at, setting, &force, searches)
     }
 

@@ -72,7 +72,7 @@ impl Run<'_> {
     ) -> bool {
         let dynamic = request.method == Method::Dynamic;
         let carried =
-            request.method == Method::QuasiStatic && step_run.step.procedure == Procedure::Auto;
+            request.method == Method::QuasiStatic && step_run.step.procedure.seeks_equilibrium();
         if !(dynamic || carried) {
             return false;
         }

@@ -136,7 +136,7 @@ fn advice(model: &Model, index: usize, rejection: &Rejection) -> String {
             "steps.{index}.tolerance.max_iterations = {USUAL_ITERATIONS} (now {patience})"
         ));
     }
-    if step.procedure == Procedure::Auto && !model.may_move() {
+    if step.procedure.seeks_equilibrium() && !model.may_move() {
         tries.push(
             "a density for every material: inertia carries what slides or comes loose".to_owned(),
         );

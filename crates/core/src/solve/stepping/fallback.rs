@@ -14,8 +14,9 @@
 //! ```
 //!
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
-//! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly. Every
-//! other procedure has a single method.
+//! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly, and
+//! inertia, under which the displacement is prescribed as before, where a snap leads to no equilibrium. Every other
+//! procedure has a single method.
 
 use serde::{Deserialize, Serialize};
 
@@ -137,6 +138,9 @@ fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> 
             tangent: Tangent::Consistent,
         });
     }
+    if step.procedure == Procedure::DisplacementControl && all_has_mass {
+        choices.push(own(Method::QuasiStatic));
+    }
     choices
 }
 
@@ -234,6 +238,7 @@ impl Fallback {
                 self.stalls >= STALLS || self.is_small(size) || free
             }
             Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
+            Method::DisplacementControl => self.is_small(size) && self.inertia().is_some(),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
         };

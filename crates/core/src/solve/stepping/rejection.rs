@@ -118,7 +118,8 @@ impl Run<'_> {
         match step_run.fallback.method() {
             Method::QuasiStatic => {
                 self.depart(step_run.index, step_run.load);
-                self.carry_momentum(step_run.sense());
+                let steers = step_run.step.control.is_some();
+                self.carry_momentum(if steers { 0.0 } else { step_run.sense() });
                 self.state.last = None;
                 step_run.schedule.resume(size.min(floor));
             }

@@ -346,7 +346,7 @@ impl<'m> Run<'m> {
     /// carries its force.
     fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) -> bool {
         self.energy_watch.add(row);
-        let seeks = step_run.step.procedure == Procedure::Auto;
+        let seeks = step_run.step.procedure.seeks_equilibrium();
         match method {
             // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
             Method::QuasiStatic if step_run.step.procedure == Procedure::QuasiStatic => {

@@ -117,7 +117,9 @@ impl IncrementRequest {
         part: f64,
     ) -> Advance<'a> {
         match (self.method, control) {
-            (Method::DisplacementControl, Some(control)) => control.along(part),
+            (Method::DisplacementControl | Method::QuasiStatic, Some(control)) => {
+                control.along(part)
+            }
             (method, _) if method.follows_path() => path_measure.advance(),
             _ => Advance::Load,
         }
@@ -241,7 +243,7 @@ impl<'m> StepRun<'m> {
     ) {
         if request.method.follows_path() {
             self.schedule.reach(self.branch.of.time(self.load));
-        } else if request.method == Method::QuasiStatic && self.step.procedure == Procedure::Auto {
+        } else if request.method == Method::QuasiStatic && self.step.procedure.seeks_equilibrium() {
             let growth = growth.min(resolving(hurry));
             self.schedule.accept(request.increment, growth);
         } else {
