@@ -180,6 +180,16 @@ Examples:
   wythe report examples/03_shear_wall_j7d.out
   wythe report wall.out --experiment measured.csv --out wall.html";
 
+const VIEW_HELP: &str = "\
+Serves the page of `wythe report` to browsers of this machine and prints its address. The page of a run is \
+renewed at every frame while the run goes on. The page of a model shows its mesh at rest and is renewed \
+whenever its file changes; errors of the file are shown in its place. Ctrl-C ends it.
+
+Examples:
+  wythe run wall.toml & wythe view wall.out
+  wythe view wall.toml
+  wythe view wall.toml --port 8000 --set wall.length=\"2 m\"";
+
 const LIMIT_HELP: &str = "\
 Units are rigid, joints are the polygons in which they touch. The factor multiplies the last step that drives, \
 loads or tilts; what stands before it is dead load. Without --associated sliding has no dilatancy. A force along a \
@@ -216,6 +226,9 @@ pub enum Command {
     /// Show a run on one HTML page.
     #[command(after_help = REPORT_HELP)]
     Report(ReportPage),
+    /// Show a run, or a model before its run, in a browser, and keep the page up to date.
+    #[command(after_help = VIEW_HELP)]
+    View(ViewPage),
     /// Draw a run: curves beside experiments and other runs, columns of the history, cracks, deflections.
     #[command(after_help = PLOT_HELP)]
     Plot(Plot),
@@ -473,6 +486,19 @@ pub struct ReportPage {
     /// Measured curve to draw over the computed one.
     #[arg(long, value_name = "FILE.csv")]
     pub experiment: Option<PathBuf>,
+}
+
+/// `wythe view`
+#[derive(Debug, Args)]
+pub struct ViewPage {
+    /// Folder of a run, or a model, a TOML file.
+    #[arg(value_name = "DIR|MODEL")]
+    pub path: PathBuf,
+    /// Port on 127.0.0.1; any free one if not given.
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    #[command(flatten)]
+    pub with: ModelArguments,
 }
 
 /// `wythe drive`

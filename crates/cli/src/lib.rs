@@ -27,6 +27,7 @@ mod shell;
 pub mod study;
 mod terminal;
 mod unicode;
+mod view;
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -107,6 +108,7 @@ fn dispatch(command: &Command, program: &[OsString]) -> Result<(), Failure> {
         Command::Drive(arguments) => drive::drive(arguments),
         Command::Salvage(arguments) => salvage::salvage(arguments),
         Command::Report(arguments) => report::report(arguments),
+        Command::View(arguments) => view::view(arguments),
         Command::Plot(arguments) => plot::plot(arguments),
         Command::Animate(arguments) => plot::animate(arguments),
         Command::Compare(arguments) => compare::compare(arguments),

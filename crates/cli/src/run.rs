@@ -37,6 +37,12 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| arguments.model.with_extension("out"));
     if deck.strategy == Strategy::Limit {
+        if arguments.error {
+            return Err(Failure::Model(miette::miette!(
+                help = "leave out --error; limit.json states the duality gap of the factor",
+                "--error needs increments and a mesh, and limit analysis has none"
+            )));
+        }
         return limit::in_folder(&deck, model, &out);
     }
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);

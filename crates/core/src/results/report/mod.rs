@@ -43,6 +43,11 @@ const SCRIPTS: [&str; 3] = [
     include_str!("assets/page.js"),
 ];
 
+/// Page of what cannot be shown.
+const FAILED: &str = include_str!("assets/failed.html");
+/// Script of a page that is served while the run goes on.
+const LIVE: &str = include_str!("assets/live.js");
+
 /// A run on one page.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -156,6 +161,34 @@ impl Report {
             frames_of_run: times.len(),
             notes,
         })
+    }
+
+    /// A page that has only the errors for which there is no other.
+    pub fn failed(errors: &str) -> Self {
+        let errors = escape(errors);
+        let html = fill(FAILED, &[("STYLE", STYLE), ("ERRORS", &errors)]);
+        Self {
+            html,
+            frames: 0,
+            frames_of_run: 0,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The page for a server of `wythe view`: it asks for `stamp` beside it and loads anew when the answer differs
+    /// from `stamp`. What the user chose on the page is kept.
+    pub fn live(&self, stamp: &str) -> String {
+        let script = format!(
+            "<script data-stamp=\"{}\">\n{LIVE}</script>\n",
+            escape(stamp)
+        );
+        let page = self.html.replacen(
+            "default-src 'none';",
+            "default-src 'none'; connect-src 'self';",
+            1,
+        );
+        let (head, foot) = page.rsplit_once("</body>").unwrap_or((&page, ""));
+        format!("{head}{script}</body>{foot}")
     }
 
     /// Writes the whole page or nothing.

@@ -137,6 +137,7 @@
       return;
     }
     by("no-view").hidden = true;
+    by("view").wall = wall;
     for (const id of ["wall-bar", "legend", "wall-checks", "view-help"]) by(id).hidden = false;
     const factors = FACTORS.filter((f) => f <= Math.max(10, view.magnification * 10));
     const slider = by("magnification");

@@ -415,5 +415,7 @@ function makeView(canvas, data) {
     },
     look(name) { turn({ front: { ...start, yaw: 0, pitch: 0 }, oblique: { ...start, yaw: -0.8, pitch: 0.42 }, back: { ...start, yaw: Math.PI + start.yaw } }[name] || start); },
     zoom,
+    pose: () => structuredClone(look),
+    take(pose) { Object.assign(look, pose); ask(); },
   };
 }
