@@ -63,6 +63,18 @@ fn a_run_by_limit_writes_factor_and_mechanism() {
 }
 
 #[test]
+fn limit_analysis_has_no_error_by_mesh_or_increments() {
+    let wall = example("63_dry_stone_wall.toml");
+    let run = wythe(&["run", &wall, "--strategy", "limit", "--error"]);
+    assert_eq!(code(&run), 2, "{}", stderr(&run));
+    assert!(
+        stderr(&run).contains("leave out --error"),
+        "{}",
+        stderr(&run)
+    );
+}
+
+#[test]
 fn an_unknown_strategy_names_the_known_ones() {
     let wall = example("61_wall_with_opening.toml");
     let check = wythe(&["check", &wall, "--strategy", "coarse"]);

@@ -34,7 +34,9 @@ impl Server {
         let mut line = String::new();
         let told = process.stdout.take().unwrap();
         BufReader::new(told).read_line(&mut line).unwrap();
-        let address = line.strip_prefix("http://").unwrap_or_else(|| panic!("{line}"));
+        let address = line
+            .strip_prefix("http://")
+            .unwrap_or_else(|| panic!("{line}"));
         let address = address.split_whitespace().next().unwrap().to_owned();
         Self { process, address }
     }
@@ -42,7 +44,11 @@ impl Server {
     /// The answer to a request for `path`, sent to the host of that name.
     fn asked_as(&self, path: &str, host: &str) -> String {
         let mut stream = TcpStream::connect(&self.address).unwrap();
-        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+        write!(
+            stream,
+            "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
+        )
+        .unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
@@ -70,7 +76,10 @@ fn a_model_is_shown_at_rest_and_anew_when_its_file_changes() {
     assert!(page.starts_with("HTTP/1.1 200"), "{page}");
     assert!(page.contains("<title>Couplet in tension</title>") && page.contains("\"view\":{"));
     let stamp = server.stamp();
-    assert!(page.contains(&format!("data-stamp=\"{stamp}\"")), "{stamp}");
+    assert!(
+        page.contains(&format!("const stamp = \"{stamp}\"")),
+        "{stamp}"
+    );
 
     std::fs::write(&file, deck.replace("Couplet in tension", "Another couplet")).unwrap();
     assert_ne!(server.stamp(), stamp);
@@ -78,7 +87,10 @@ fn a_model_is_shown_at_rest_and_anew_when_its_file_changes() {
 
     std::fs::write(&file, deck.replace("[[steps]]", "[[stops]]")).unwrap();
     let page = server.asked("/");
-    assert!(page.contains("This cannot be shown") && page.contains("stops"), "{page}");
+    assert!(
+        page.contains("This cannot be shown") && page.contains("stops"),
+        "{page}"
+    );
     // Nothing is left in the folder of the model.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -105,7 +117,11 @@ fn a_run_is_shown_and_anew_when_it_has_a_new_row() {
 #[test]
 fn only_this_machine_by_its_name_is_answered_and_only_what_there_is() {
     let server = Server::of(&[&couplet()]);
-    assert!(server.asked_as("/", "example.org").starts_with("HTTP/1.1 403"));
+    assert!(
+        server
+            .asked_as("/", "example.org")
+            .starts_with("HTTP/1.1 403")
+    );
     assert!(server.asked("/../Cargo.toml").starts_with("HTTP/1.1 404"));
     let port = server.address.rsplit_once(':').unwrap().1;
     let taken = wythe(&["view", &couplet(), "--port", port]);

@@ -178,17 +178,15 @@ impl Report {
     /// The page for a server of `wythe view`: it asks for `stamp` beside it and loads anew when the answer differs
     /// from `stamp`. What the user chose on the page is kept.
     pub fn live(&self, stamp: &str) -> String {
-        let script = format!(
-            "<script data-stamp=\"{}\">\n{LIVE}</script>\n",
-            escape(stamp)
-        );
         let page = self.html.replacen(
             "default-src 'none';",
             "default-src 'none'; connect-src 'self';",
             1,
         );
-        let (head, foot) = page.rsplit_once("</body>").unwrap_or((&page, ""));
-        format!("{head}{script}</body>{foot}")
+        // In the last script of the page, so that nothing is drawn between them.
+        let (head, foot) = page.rsplit_once("</script>").unwrap_or((&page, ""));
+        let script = fill(LIVE, &[("STAMP", &escape(stamp))]);
+        format!("{head}\n{script}</script>{foot}")
     }
 
     /// Writes the whole page or nothing.

@@ -1,9 +1,8 @@
-"use strict";
 // Pages that `wythe view` serves: load the page anew when the run has more to show, and keep what the user chose.
 
 (function () {
   const NAME = "wythe view", EVERY = 1000;
-  const stamp = document.currentScript.dataset.stamp;
+  const stamp = "{{STAMP}}";
   const by = (id) => document.getElementById(id);
   const choices = ["colour", "magnification", "joints", "outlines", "mesh"].map(by).filter(Boolean);
   const frame = by("frame"), wall = by("view")?.wall;
