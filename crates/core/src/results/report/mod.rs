@@ -298,6 +298,7 @@ impl Text<'_> {
             Some(Status::NotConverged) => ("bad", "not converged"),
             Some(Status::Interrupted) => ("warn", "interrupted"),
             Some(Status::Stopped) => ("warn", "stopped by a callback"),
+            None if self.history.rows.is_empty() => ("warn", "no increment yet"),
             None => ("warn", "no summary: going on, or killed"),
         };
         let message = self.summary.map_or("", |s| s.message.as_str());
