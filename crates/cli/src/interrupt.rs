@@ -20,6 +20,11 @@ impl Interrupt {
     /// group. A SIGHUP that is ignored from the start, as below `nohup`, stays ignored. Where no handler can be set,
     /// the signal ends the process as usual.
     pub fn listen() -> Self {
+        Self::listen_saying("stopping after this increment; Ctrl-C again stops at once")
+    }
+
+    /// [`Interrupt::listen`], which answers the first Ctrl-C with `said`.
+    pub fn listen_saying(said: &'static str) -> Self {
         let interrupt = OF_SIGNALS.get_or_init(|| {
             let interrupt = Self::default();
             let flag = interrupt.clone();
@@ -27,7 +32,7 @@ impl Interrupt {
                 if flag.0.swap(true, Ordering::SeqCst) {
                     std::process::exit(i32::from(failure::INTERRUPTED));
                 }
-                tell!("\nstopping after this increment; Ctrl-C again stops at once");
+                tell!("\n{said}");
             });
             if let Err(error) = set {
                 tell!("Ctrl-C will not be waited for: {error}");

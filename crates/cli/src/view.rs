@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
+use std::time::{Duration, UNIX_EPOCH};
 
 use tiny_http::{Header, Request, Response, Server};
 use wythe_core::results::output::OF_A_RUN;
@@ -12,6 +12,7 @@ use wythe_core::results::{Report, RunDirectory, RunFolder};
 use crate::arguments::{ModelArguments, ViewPage};
 use crate::failure::Failure;
 use crate::findings::{self, Sound, Unsound};
+use crate::interrupt::Interrupt;
 use crate::say::print;
 
 /// Serves the page until the process ends.
@@ -26,17 +27,26 @@ pub fn view(arguments: &ViewPage) -> Result<(), Failure> {
     let server = Server::http(address).map_err(|error| unserved(address, &*error))?;
     let port = server.server_addr().to_ip().map_or(0, |ip| ip.port());
     let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    let interrupt = Interrupt::listen_saying("the page is no longer served");
     print(&format!(
         "http://{} shows {}; Ctrl-C ends it\n",
         own[0],
         arguments.path.display()
     ))?;
-    for request in server.incoming_requests() {
-        // A browser that leaves before its answer is no failure of the server.
-        drop(answer(request, &shown, &mut page, &own));
+    while !interrupt.requested() {
+        let request = server
+            .recv_timeout(PATIENCE)
+            .map_err(|error| unserved(address, &error))?;
+        if let Some(request) = request {
+            // A browser that leaves before its answer is no failure of the server.
+            drop(answer(request, &shown, &mut page, &own));
+        }
     }
     Ok(())
 }
+
+/// Time after which a request to stop is seen at the latest.
+const PATIENCE: Duration = Duration::from_millis(200);
 
 fn unserved(address: SocketAddr, error: &(dyn std::error::Error + Send + Sync)) -> Failure {
     Failure::InputOutput(miette::miette!(

@@ -130,6 +130,16 @@ fn only_this_machine_by_its_name_is_answered_and_only_what_there_is() {
     assert!(stderr(&taken).contains("--port"), "{}", stderr(&taken));
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_the_server_without_an_error() {
+    let mut server = Server::of(&[&couplet()]);
+    let id = server.process.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(sent.success());
+    assert!(server.process.wait().unwrap().success());
+}
+
 #[test]
 fn what_cannot_be_shown_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
