@@ -61,6 +61,7 @@ fn a_page_has_the_whole_run_and_loads_nothing_external() {
     assert_eq!(data["series"]["peak"], 1);
     let view = &data["view"];
     assert_eq!(view["materials"], serde_json::json!(["brick", "mortar"]));
+    assert!(!view["units"].as_array().unwrap().is_empty());
     let rows: Vec<_> = view["frames"].as_array().unwrap().iter().collect();
     assert_eq!(rows.len(), 3);
     assert_eq!(rows[2]["row"], 2);

@@ -38,6 +38,8 @@ pub(super) struct View {
     pub material: String,
     /// Names of the materials.
     pub materials: Vec<String>,
+    /// Names of the units; empty if the file has none.
+    pub units: Vec<String>,
     /// Edges of the bodies. `[edge][2]`
     pub edges: String,
     /// Facets of the interfaces. `[facet][4]`
@@ -145,6 +147,7 @@ impl<'a> Scene<'a> {
             unit: packed::words(unit.into_iter().map(|u| u as u16)),
             material: packed::encode(&material.iter().map(|&m| m as u8).collect::<Vec<_>>()),
             materials: file.materials()?,
+            units: file.units()?,
             edges: numbers(skin.edges.as_flattened()),
             facets: numbers(facets.as_flattened()),
             widest: 0.0,
@@ -173,7 +176,9 @@ impl<'a> Scene<'a> {
             &view.edges,
             &view.facets,
         ];
-        let fixed = still.iter().map(|text| text.len()).sum();
+        // A name with its quotes and comma.
+        let names = view.units.iter().map(|name| name.len() + 3).sum::<usize>();
+        let fixed = names + still.iter().map(|text| text.len()).sum::<usize>();
         let cells = packed::length(self.skin.elements.len());
         let frame = packed::length(6 * self.skin.nodes.len())
             + 3 * cells

@@ -12,7 +12,10 @@ pub const MODEL: &str = "model";
 /// Name of the deck's text in that group.
 pub const DECK: &str = "deck";
 
-/// Writes title, version and material names into a new group.
+/// Name of the names of the units in that group.
+pub const UNITS: &str = "units";
+
+/// Writes title, version and the names of materials and units into a new group.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -23,7 +26,12 @@ pub fn write(file: &hdf5::File, model: &Model) -> hdf5::Result<()> {
     let names = model.materials.iter().map(|m| unicode(&m.name));
     let names = names.collect::<hdf5::Result<Vec<_>>>()?;
     let materials = group.new_attr::<VarLenUnicode>().shape(names.len());
-    materials.create("materials")?.write(&names)
+    materials.create("materials")?.write(&names)?;
+    let count = model.mesh.unit.iter().max().map_or(0, |last| last + 1);
+    let names = (0..count).map(|unit| unicode(&model.mesh.called(unit)));
+    let names = names.collect::<hdf5::Result<Vec<_>>>()?;
+    let units = group.new_dataset::<VarLenUnicode>().shape(names.len());
+    units.create(UNITS)?.write(&names)
 }
 
 /// Writes the deck and its hash, and replaces an existing one.

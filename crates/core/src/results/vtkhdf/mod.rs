@@ -19,6 +19,7 @@
 //! /history       one series per column of history.csv                 [increment]
 //!   beams/…, supports/…, loads/…  forces  [increment][xyz]   frame_increment [step]
 //! /model         version, title, materials: names in the order of CellData/material; deck and its hash
+//!   units        names in the order of CellData/unit     [unit]
 //! ```
 //!
 //! Readers never see a partly written file (`publication`).

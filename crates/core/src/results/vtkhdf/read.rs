@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
 
-use super::about::{self, MODEL};
+use super::about::{self, MODEL, UNITS};
 use super::field::{LABELS, Values};
 use super::history::{self, FRAME_INCREMENT, HISTORY};
 use super::work::SOLIDS;
@@ -171,6 +171,22 @@ impl FieldsFile {
             let names = self.file.group(MODEL)?.attr("materials")?;
             self.room.holds(&names.name(), names.size(), Some(8))?;
             let names = names.read_raw::<VarLenUnicode>()?;
+            Ok(names.iter().map(ToString::to_string).collect())
+        };
+        read().map_err(|error| into_io(&error))
+    }
+
+    /// Names of the units; empty in files of versions that did not write them.
+    ///
+    /// # Errors
+    /// The names cannot be read.
+    pub fn units(&self) -> io::Result<Vec<String>> {
+        let read = || -> hdf5::Result<Vec<String>> {
+            let group = self.file.group(MODEL)?;
+            if !group.link_exists(UNITS) {
+                return Ok(Vec::new());
+            }
+            let names = self.room.all::<VarLenUnicode>(&group.dataset(UNITS)?)?;
             Ok(names.iter().map(ToString::to_string).collect())
         };
         read().map_err(|error| into_io(&error))

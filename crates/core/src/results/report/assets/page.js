@@ -160,6 +160,32 @@
     for (const button of document.querySelectorAll("[data-look]")) button.addEventListener("click", () => wall.look(button.dataset.look));
     for (const button of document.querySelectorAll("[data-zoom]")) button.addEventListener("click", () => wall.zoom(+button.dataset.zoom));
     legend();
+    pointed();
+  }
+
+  /** Names what is below the pointer. */
+  function pointed() {
+    const canvas = by("view"), tip = by("pointed");
+    let last = null, asked = 0;
+    const tell = () => {
+      asked = 0;
+      const seen = last && wall.at(last.x, last.y);
+      tip.hidden = !seen;
+      if (!seen) return;
+      const parts = [seen.unit, seen.material];
+      if (seen.damage) {
+        const { tensile, compressive, crack } = seen.damage;
+        parts.push(`tensile damage ${tensile.toFixed(2)}`, `compressive ${compressive.toFixed(2)}`);
+        if (crack > 0) parts.push(`crack ${brief(crack)} mm`);
+        parts.push(`moved by (${seen.moved.map(brief).join(", ")}) mm`);
+      }
+      tip.textContent = parts.join(" · ");
+    };
+    canvas.addEventListener("pointermove", (event) => {
+      last = event.buttons ? null : { x: event.offsetX, y: event.offsetY };
+      if (!asked) asked = requestAnimationFrame(tell);
+    });
+    canvas.addEventListener("pointerleave", () => { last = null; tip.hidden = true; });
   }
 
   function legend() {

@@ -132,6 +132,7 @@ function times(a, b) {
 /**
  * The view on a canvas; null if the browser has no WebGL 2.
  * set({ frame, magnification, colour, joints, outlines, mesh }): frame −1 is the model at rest.
+ * at(x, y): what is seen at a place of the canvas [CSS pixels], or null.
  */
 function makeView(canvas, data) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
@@ -147,7 +148,8 @@ function makeView(canvas, data) {
   const radius = Math.hypot(...data.size) / 2;
   const start = { yaw: -0.42, pitch: 0.2, distance: 1, pan: [0, 0] };
   const look = structuredClone(start);
-  let programs, buffers, textures, asked = 0, dead = false;
+  const unit = new Uint16Array(bytes(data.unit).buffer), material = bytes(data.material);
+  let programs, buffers, textures, asked = 0, dead = false, shown = null;
 
   function compile(vertex, fragment) {
     const program = gl.createProgram();
@@ -228,7 +230,7 @@ function makeView(canvas, data) {
       joint: arrays(programs.joint, { facet: [turned, 4], state: [new Uint8Array(quarters), 1] }, 1),
     };
     texture(0, gl.RGB16UI, gl.RGB_INTEGER, gl.UNSIGNED_SHORT, 3, rest);
-    const unit = new Uint16Array(bytes(data.unit).buffer), material = bytes(data.material), label = new Uint16Array(2 * elements);
+    const label = new Uint16Array(2 * elements);
     for (let e = 0; e < elements; e++) { label[2 * e] = unit[e]; label[2 * e + 1] = material[e]; }
     texture(3, gl.RG16UI, gl.RG_INTEGER, gl.UNSIGNED_SHORT, 2, label);
     upload();
@@ -236,7 +238,8 @@ function makeView(canvas, data) {
 
   function upload() {
     const frame = data.frames[options.frame];
-    texture(1, gl.RGB16I, gl.RGB_INTEGER, gl.SHORT, 3, frame ? new Int16Array(bytes(frame.displacement).buffer) : new Int16Array(3 * nodes));
+    const moved = frame ? new Int16Array(bytes(frame.displacement).buffer) : new Int16Array(3 * nodes);
+    texture(1, gl.RGB16I, gl.RGB_INTEGER, gl.SHORT, 3, moved);
     const field = new Uint8Array(3 * elements), state = new Uint8Array(quarters);
     if (frame) {
       const parts = [frame.tensile, frame.compressive, frame.crack].map(bytes), packed = bytes(frame.state);
@@ -244,6 +247,7 @@ function makeView(canvas, data) {
       for (let k = 0; k < quarters; k++) state[k] = (packed[k >> 2] >> (2 * (k & 3))) & 3;
     }
     texture(2, gl.RGB8UI, gl.RGB_INTEGER, gl.UNSIGNED_BYTE, 3, field);
+    shown = { frame, moved, field };
     gl.bindBuffer(gl.ARRAY_BUFFER, buffers.joint.state);
     gl.bufferData(gl.ARRAY_BUFFER, state, gl.STATIC_DRAW);
   }
@@ -342,6 +346,45 @@ function makeView(canvas, data) {
     gl.depthMask(true);
   }
 
+  /** Nodes as they are drawn, in coordinates of the canvas from −1 to 1, and their depths. */
+  function projected() {
+    const move = shown.frame ? (options.magnification * shown.frame.most) / 32767 : 0;
+    const { matrix: m } = camera(canvas.clientWidth, canvas.clientHeight, 32767 * move);
+    const places = new Float32Array(3 * nodes);
+    for (let n = 0; n < 3 * nodes; n += 3) {
+      const [x, y, z] = [0, 1, 2].map((i) => data.low[i] + (data.size[i] * rest[n + i]) / 65535 + move * shown.moved[n + i]);
+      const w = m[3] * x + m[7] * y + m[11] * z + m[15];
+      for (let i = 0; i < 3; i++) places[n + i] = (m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i]) / w;
+    }
+    return places;
+  }
+
+  function at(left, top) {
+    if (dead || !shown) return null;
+    const x = (2 * left) / canvas.clientWidth - 1, y = 1 - (2 * top) / canvas.clientHeight, p = projected();
+    let seen = -1, corner = 0, nearest = Infinity;
+    for (let e = 0; e < elements; e++) for (let f = 0; f < 6; f++) {
+      if (!((faceBits[e] >> f) & 1)) continue;
+      const quad = data.hexahedron[f].map((i) => 3 * corners[8 * e + i]);
+      for (const [a, b, c] of [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]) {
+        const area = (p[b] - p[a]) * (p[c + 1] - p[a + 1]) - (p[c] - p[a]) * (p[b + 1] - p[a + 1]);
+        const v = ((x - p[a]) * (p[c + 1] - p[a + 1]) - (p[c] - p[a]) * (y - p[a + 1])) / area;
+        const w = ((p[b] - p[a]) * (y - p[a + 1]) - (x - p[a]) * (p[b + 1] - p[a + 1])) / area;
+        if (!(v >= 0 && w >= 0 && v + w <= 1)) continue;
+        const depth = (1 - v - w) * p[a + 2] + v * p[b + 2] + w * p[c + 2];
+        if (depth < nearest) { nearest = depth; seen = e; corner = w > v ? c : v > 1 - v - w ? b : a; }
+      }
+    }
+    if (seen < 0) return null;
+    const { frame, field, moved } = shown;
+    const crack = field[3 * seen + 2] / 255;
+    return {
+      unit: data.units[unit[seen]] || `unit ${unit[seen]}`, material: data.materials[material[seen]],
+      damage: frame && { tensile: field[3 * seen] / 255, compressive: field[3 * seen + 1] / 255, crack: crack * crack * data.widest },
+      moved: frame && [0, 1, 2].map((i) => (moved[corner + i] * frame.most) / 32767),
+    };
+  }
+
   function ask() { if (!asked) asked = requestAnimationFrame(draw); }
 
   /** Turns to a point of view, at once if the user prefers reduced motion. */
@@ -415,6 +458,7 @@ function makeView(canvas, data) {
     },
     look(name) { turn({ front: { ...start, yaw: 0, pitch: 0 }, oblique: { ...start, yaw: -0.8, pitch: 0.42 }, back: { ...start, yaw: Math.PI + start.yaw } }[name] || start); },
     zoom,
+    at,
     pose: () => structuredClone(look),
     take(pose) { Object.assign(look, pose); ask(); },
   };
