@@ -15,6 +15,7 @@ use crate::state::Frame;
 const WORD: f64 = 32767.0;
 
 /// Data of the view. Arrays are little-endian in base64; node numbers are `u16` or `u32` by [`View::wide`].
+// More than 15 fields: these are the keys that the script of the page reads.
 #[derive(Debug, Serialize)]
 pub(super) struct View {
     /// Lower corner of the bounding box at rest [mm].
