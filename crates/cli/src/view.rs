@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, UNIX_EPOCH};
 
 use tiny_http::{Header, Request, Response, Server};
-use wythe_core::results::output::OF_A_RUN;
+use wythe_core::results::output::{OF_A_RUN, REPORT};
 use wythe_core::results::{Report, RunDirectory, RunFolder};
 
 use crate::arguments::{ModelArguments, ViewPage};
@@ -18,7 +18,7 @@ use crate::say::print;
 /// Serves the page until the process ends.
 pub fn view(arguments: &ViewPage) -> Result<(), Failure> {
     let shown = Shown::of(arguments)?;
-    // What cannot be shown at the start is an error of the command; later errors are shown on the page.
+    // An error at the start ends the command; later errors are shown on the page.
     let mut page = Page::of(&shown).map_err(|unshown| match unshown {
         Unshown::Deck(unsound) => unsound.tell(&arguments.path),
         Unshown::Other(failure) => failure,
@@ -55,7 +55,7 @@ fn unserved(address: SocketAddr, error: &(dyn std::error::Error + Send + Sync)) 
     ))
 }
 
-/// What is shown.
+/// Subject of the page.
 enum Shown<'a> {
     /// Folder of a run.
     Run(RunFolder),
@@ -83,7 +83,7 @@ impl<'a> Shown<'a> {
     fn stamp(&self) -> String {
         let files: Vec<PathBuf> = match self {
             Self::Run(folder) => {
-                let names = OF_A_RUN.iter().filter(|name| !name.starts_with("report"));
+                let names = OF_A_RUN.iter().filter(|name| **name != REPORT);
                 names.map(|name| folder.path().join(name)).collect()
             }
             Self::Model(path, _) => vec![path.to_path_buf()],
@@ -102,7 +102,7 @@ impl<'a> Shown<'a> {
         stamp
     }
 
-    /// The report of what is shown.
+    /// The report of the run or the model.
     fn report(&self) -> Result<Report, Unshown> {
         match self {
             Self::Run(folder) => Ok(Report::of(folder, None).map_err(Failure::from)?),
@@ -124,7 +124,7 @@ fn at_rest(sound: &Sound) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// Why something cannot be shown.
+/// Reason for which there is no report.
 enum Unshown {
     /// The deck has errors, or cannot be read.
     Deck(Unsound),
@@ -172,7 +172,7 @@ impl Page {
         Ok(Self { stamp, html })
     }
 
-    /// Takes the files as they are now. What cannot be read, such as a deck with an error, becomes the page.
+    /// Reads the files again if they have changed. If they cannot be read, the page lists the errors.
     fn renew(&mut self, shown: &Shown) {
         let stamp = shown.stamp();
         if stamp == self.stamp {
@@ -185,7 +185,7 @@ impl Page {
     }
 }
 
-/// Answers one request. Pages are for requests to this machine by name, so that no site can read them under its own.
+/// Answers one request. The host must be this machine, so that no web site can read the page under its own name.
 fn answer(request: Request, shown: &Shown, page: &mut Page, own: &[String]) -> std::io::Result<()> {
     let host = request.headers().iter().find(|h| h.field.equiv("Host"));
     let asked = host.map(|header| header.value.as_str());
@@ -212,7 +212,7 @@ fn answer(request: Request, shown: &Shown, page: &mut Page, own: &[String]) -> s
     }
 }
 
-/// The response with its type, which is not to be kept.
+/// Adds the content type to a response; browsers must not cache it.
 fn typed<R: std::io::Read>(response: Response<R>, kind: &str) -> Response<R> {
     let headers = [("Content-Type", kind), ("Cache-Control", "no-store")];
     let headers = headers.into_iter();

@@ -43,7 +43,7 @@ const SCRIPTS: [&str; 3] = [
     include_str!("assets/page.js"),
 ];
 
-/// Page of what cannot be shown.
+/// Page that lists the errors of a deck.
 const FAILED: &str = include_str!("assets/failed.html");
 /// Script of a page that is served while the run goes on.
 const LIVE: &str = include_str!("assets/live.js");
@@ -163,7 +163,7 @@ impl Report {
         })
     }
 
-    /// A page that has only the errors for which there is no other.
+    /// A page that lists errors, for a folder or a deck without a report.
     pub fn failed(errors: &str) -> Self {
         let errors = escape(errors);
         let html = fill(FAILED, &[("STYLE", STYLE), ("ERRORS", &errors)]);
@@ -175,8 +175,8 @@ impl Report {
         }
     }
 
-    /// The page for a server of `wythe view`: it asks for `stamp` beside it and loads anew when the answer differs
-    /// from `stamp`. What the user chose on the page is kept.
+    /// The page that `wythe view` serves. It requests the path `stamp` and reloads when the answer differs from
+    /// `stamp`; frame, colour, magnification and point of view are kept.
     pub fn live(&self, stamp: &str) -> String {
         let page = self.html.replacen(
             "default-src 'none';",

@@ -146,7 +146,7 @@ impl Motion {
     }
 
     /// Sets the velocities of drives to `slope` times those without an amplitude. Where a displacement steers the
-    /// load, drives have no prescribed rate, and the inertia of what they move is left out.
+    /// load, drives have no prescribed rate, and the inertia of the driven nodes is neglected.
     pub fn drive_at(&mut self, step: &Step, system: &System, slope: f64) {
         if step.control.is_some() {
             return;

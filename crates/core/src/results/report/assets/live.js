@@ -1,4 +1,4 @@
-// Pages that `wythe view` serves: load the page anew when the run has more to show, and keep what the user chose.
+// For pages that `wythe view` serves: reloads the page when the files have changed, and keeps the choices of the user.
 
 (function () {
   const NAME = "wythe view", EVERY = 1000;

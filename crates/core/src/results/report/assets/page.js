@@ -163,7 +163,7 @@
     pointed();
   }
 
-  /** Names what is below the pointer. */
+  /** Shows name and values of the unit below the pointer. */
   function pointed() {
     const canvas = by("view"), tip = by("pointed");
     let last = null, asked = 0;

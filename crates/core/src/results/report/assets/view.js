@@ -132,7 +132,7 @@ function times(a, b) {
 /**
  * The view on a canvas; null if the browser has no WebGL 2.
  * set({ frame, magnification, colour, joints, outlines, mesh }): frame −1 is the model at rest.
- * at(x, y): what is seen at a place of the canvas [CSS pixels], or null.
+ * at(x, y): unit, material and values of the element at a point of the canvas [CSS pixels]; null where there is none.
  */
 function makeView(canvas, data) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
@@ -372,7 +372,7 @@ function makeView(canvas, data) {
         const w = ((p[b] - p[a]) * (y - p[a + 1]) - (x - p[a]) * (p[b + 1] - p[a + 1])) / area;
         if (!(v >= 0 && w >= 0 && v + w <= 1)) continue;
         const depth = (1 - v - w) * p[a + 2] + v * p[b + 2] + w * p[c + 2];
-        if (depth < nearest) { nearest = depth; seen = e; corner = w > v ? c : v > 1 - v - w ? b : a; }
+        if (depth < nearest) { nearest = depth; seen = e; corner = 1 - v - w >= Math.max(v, w) ? a : v >= w ? b : c; }
       }
     }
     if (seen < 0) return null;
