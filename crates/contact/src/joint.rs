@@ -19,7 +19,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::law::{InterfaceHistory, InterfaceResponse};
 use crate::shifted::Shift;
@@ -255,18 +255,25 @@ pub(crate) fn symmetric_blocks(tangent: &Matrix3<f64>, most: [f64; 2]) -> Matrix
     let mut blocks = Matrix3::zeros();
     blocks[(0, 0)] = tangent[(0, 0)].max(0.0).min(most[0]);
     let off = 0.5 * (tangent[(1, 2)] + tangent[(2, 1)]);
-    let shear = Matrix2::new(tangent[(1, 1)], off, off, tangent[(2, 2)]);
-    if !shear.iter().all(|k| k.is_finite()) {
+    let (mean, half) = (
+        0.5 * (tangent[(1, 1)] + tangent[(2, 2)]),
+        0.5 * (tangent[(1, 1)] - tangent[(2, 2)]),
+    );
+    // Eigenvalues are mean ± radius.
+    let radius = half.hypot(off);
+    if !(mean.is_finite() && radius.is_finite()) {
         return blocks;
     }
-    let eigen = shear.symmetric_eigen();
-    let bounded = eigen.eigenvalues.map(|k| k.max(0.0).min(most[1]));
-    let shear =
-        eigen.eigenvectors * Matrix2::from_diagonal(&bounded) * eigen.eigenvectors.transpose();
-    for i in 0..2 {
-        for j in 0..2 {
-            blocks[(1 + i, 1 + j)] = shear[(i, j)];
-        }
-    }
+    let bounded = |k: f64| k.max(0.0).min(most[1]);
+    let [high, low] = [bounded(mean + radius), bounded(mean - radius)];
+    let part = if radius > 0.0 {
+        0.5 * (high - low) / radius
+    } else {
+        0.0
+    };
+    blocks[(1, 1)] = 0.5 * (high + low) + part * half;
+    blocks[(2, 2)] = 0.5 * (high + low) - part * half;
+    blocks[(1, 2)] = part * off;
+    blocks[(2, 1)] = part * off;
     blocks
 }

@@ -2,4 +2,5 @@
 
 mod gather;
 mod global_tangent;
+mod rigid_bodies;
 mod stiffness_reuse;

@@ -46,6 +46,7 @@ fn model() -> Model {
     let material = |name: &str| NamedMaterial {
         name: name.to_owned(),
         parameters: MaterialParameters::Elastic(elastic),
+        rigid: false,
     };
     Model {
         title: "Known fields".to_owned(),

@@ -81,6 +81,9 @@ pub struct Bulk {
     shape_of: Vec<u32>,
     laws: Vec<Material>,
     law_of: Vec<u32>,
+    /// Whether an element belongs to a rigid body and has neither force nor stiffness. Empty without such bodies.
+    /// `[element]`
+    is_rigid: Vec<bool>,
     /// Number of elements. An element across a plane of symmetry counts in part.
     pub(super) count: f64,
 }
@@ -102,6 +105,7 @@ impl Bulk {
             shape_of: Vec::with_capacity(mesh.elements.len()),
             laws: Vec::new(),
             law_of: Vec::with_capacity(mesh.elements.len()),
+            is_rigid: Vec::new(),
             count: 0.0,
         };
         let mut known: HashMap<(Vec<i64>, u16, u64), u32> = HashMap::new();
@@ -151,6 +155,21 @@ impl Bulk {
                 law.stabilise(viscosity, damage_rate);
             }
         }
+    }
+
+    /// Leaves out the elements of rigid bodies, and no others.
+    pub(super) fn leave_out(&mut self, elements: impl Iterator<Item = usize>) {
+        let mut elements = elements.peekable();
+        self.is_rigid.clear();
+        if elements.peek().is_some() {
+            self.is_rigid = vec![false; self.elements.len()];
+            elements.for_each(|e| self.is_rigid[e] = true);
+        }
+    }
+
+    /// Whether an element belongs to a rigid body.
+    pub(super) fn is_rigid(&self, e: usize) -> bool {
+        self.is_rigid.get(e).is_some_and(|is_rigid| *is_rigid)
     }
 
     /// Shape of element `e`.
@@ -205,6 +224,10 @@ impl Bulk {
                     if awake.is_some_and(|awake| !awake.elements[e]) {
                         return None;
                     }
+                    if self.is_rigid(e) {
+                        *force = [[0.0; 3]; 8];
+                        return None;
+                    }
                     let shape = self.shape(e);
                     let law = &self.laws[self.law_of[e] as usize];
                     let positions = self.elements[e].map(|n| x[n as usize]);
@@ -224,7 +247,9 @@ impl Bulk {
                 },
             )
             .min_by_key(|(e, _)| *e);
-        trial.cells.active[..n].fill(true);
+        for (e, active) in trial.cells.active[..n].iter_mut().enumerate() {
+            *active = !self.is_rigid(e);
+        }
         failure.map_or(Ok(()), Err)
     }
 }

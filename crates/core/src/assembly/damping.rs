@@ -62,6 +62,9 @@ impl StiffnessDamping {
             .with_min_len(16)
             .for_each(|(e, (force, cell))| {
                 *force = [[0.0; 3]; 8];
+                if bulk.is_rigid(e) {
+                    return;
+                }
                 let (shape, nodes) = (bulk.shape(e), bulk.elements[e]);
                 let Ok(frame) = Corotated::new(shape, &nodes.map(|n| x[n as usize])) else {
                     return;

@@ -139,6 +139,72 @@ impl DofMap {
         }
     }
 
+    /// A map in which rigid bodies have two nodes each, `hosts`, for translation and rotation, of which the directions
+    /// `free` are unknowns; their other nodes have no slots. A last node that has none either is added. `body_of`: body
+    /// of each node, if any (an index into `hosts`). `[node]`
+    pub(super) fn with_bodies(
+        &self,
+        body_of: &[u32],
+        hosts: &[[u32; 2]],
+        free: &[[[bool; 3]; 2]],
+    ) -> WithBodies {
+        let nodes = self.slot.len();
+        let mut slot = vec![[HELD; 3]; nodes + 1];
+        let mut owner = Vec::new();
+        let mut new = vec![HELD; self.slots];
+        for n in 0..nodes {
+            if let Some(hosts) = hosts.get(body_of[n] as usize) {
+                if hosts[0] as usize != n {
+                    continue;
+                }
+                // Both belong to the first node, so that they are eliminated together.
+                for (host, free) in hosts.iter().zip(&free[body_of[n] as usize]) {
+                    for i in (0..3).filter(|i| free[*i]) {
+                        slot[*host as usize][i] = owner.len() as u32;
+                        owner.push((n as u32, i as u8));
+                    }
+                }
+                continue;
+            }
+            for i in 0..3 {
+                let own = self.slot[n][i] as usize;
+                if own < self.beam_start {
+                    if new[own] == HELD {
+                        new[own] = owner.len() as u32;
+                        owner.push(self.owner[own]);
+                    }
+                    slot[n][i] = new[own];
+                }
+            }
+        }
+        let beam_start = owner.len();
+        for own in self.beam_start..self.slots {
+            new[own] = owner.len() as u32;
+            owner.push(self.owner[own]);
+        }
+        for (to, from) in slot.iter_mut().zip(&self.slot) {
+            for i in 0..3 {
+                if from[i] != HELD && from[i] as usize >= self.beam_start {
+                    to[i] = new[from[i] as usize];
+                }
+            }
+        }
+        let mut sign = self.sign.clone();
+        sign.push([1.0; 3]);
+        let slots = new.iter().enumerate().filter(|(_, new)| **new != HELD);
+        WithBodies {
+            slots: slots.map(|(own, new)| (own as u32, *new)).collect(),
+            dofs: Self {
+                slot,
+                sign,
+                slots: owner.len(),
+                beam_start,
+                owner,
+                reflected: self.reflected.clone(),
+            },
+        }
+    }
+
     /// Images in planes of symmetry, by node.
     pub fn reflected(&self) -> &[Reflected] {
         &self.reflected
@@ -166,6 +232,13 @@ impl DofMap {
     }
 }
 
+/// A map with rigid bodies.
+pub(super) struct WithBodies {
+    pub(super) dofs: DofMap,
+    /// Slots before that belong to no body, and those of the map.
+    pub(super) slots: Vec<(u32, u32)>,
+}
+
 /// The unknowns of one step.
 #[derive(Clone, Debug)]
 pub struct Equations {
@@ -187,6 +260,22 @@ impl Equations {
                 slot_of.push(slot);
             } else {
                 of_slot.push(PRESCRIBED);
+            }
+        }
+        Self { of_slot, slot_of }
+    }
+
+    /// The unknowns of the same step for a map with rigid bodies, made from `own`.
+    pub(super) fn with_bodies(&self, own: &DofMap, bodies: &DofMap) -> Self {
+        let mut of_slot: Vec<u32> = (0..bodies.beam_start as u32).collect();
+        let mut slot_of = of_slot.clone();
+        for of_beam in &self.of_slot[own.beam_start..] {
+            let slot = of_slot.len() as u32;
+            if *of_beam == PRESCRIBED {
+                of_slot.push(PRESCRIBED);
+            } else {
+                of_slot.push(slot_of.len() as u32);
+                slot_of.push(slot);
             }
         }
         Self { of_slot, slot_of }

@@ -11,10 +11,37 @@
 //! is exact. Floors add their masses to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements
 //! moves nothing.
 
-use super::Bulk;
+use nalgebra::DMatrix;
+
 use super::dofs::{DofMap, HELD};
+use super::{Bulk, RigidBodies};
 use crate::element::hex8::CORNERS;
 use crate::model::Model;
+
+/// Consistent mass of a rigid body, M_ab = ∫ ρ N_a N_b dV, beside its lumped one. It gives the moments of inertia of
+/// the solid (theory/rigid-bodies.md, eq. 7).
+#[derive(Clone, Debug)]
+pub(super) struct BodyMass {
+    /// Slots of its nodes. `[node][xyz]`
+    slots: Vec<[u32; 3]>,
+    /// Consistent mass without the lumped one [tonne]; its rows sum to zero. `[node][node]`
+    pub(super) coupling: DMatrix<f64>,
+}
+
+impl BodyMass {
+    /// Visits the pairs of slots that it couples.
+    fn each(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        for (a, rows) in self.slots.iter().enumerate() {
+            for (b, columns) in self.slots.iter().enumerate() {
+                for (row, column) in rows.iter().zip(columns) {
+                    if *row != HELD && *column != HELD {
+                        visit(*row as usize, *column as usize, self.coupling[(a, b)]);
+                    }
+                }
+            }
+        }
+    }
+}
 
 /// Masses of nodes and of generalised displacements.
 #[derive(Clone, Debug)]
@@ -27,6 +54,8 @@ pub struct Mass {
     lever: Vec<f64>,
     /// Direction of each slot's displacement. `[slot]`
     direction: Vec<u8>,
+    /// Rigid bodies.
+    bodies: Vec<BodyMass>,
     /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
     elements: f64,
 }
@@ -67,8 +96,71 @@ impl Mass {
             slot,
             lever,
             direction,
+            bodies: Vec::new(),
             elements: bulk.count,
         }
+    }
+
+    /// Gives rigid bodies the consistent mass of their elements.
+    pub(super) fn of_bodies(
+        &mut self,
+        bulk: &Bulk,
+        dofs: &DofMap,
+        model: &Model,
+        bodies: &RigidBodies,
+    ) {
+        let mass = |(nodes, elements): (&[u32], &[u32])| {
+            let mut mass = DMatrix::zeros(nodes.len(), nodes.len());
+            for &e in elements {
+                let material = model.mesh.material[e as usize];
+                let density = model.materials[usize::from(material)]
+                    .parameters
+                    .elastic()
+                    .density;
+                let own = |n: u32| model.mesh.reflected(n).map_or(n, |image| image.of);
+                let places = bulk.elements[e as usize].map(|n| nodes.binary_search(&own(n)).ok());
+                for (row, sums) in places
+                    .iter()
+                    .zip(consistent(&bulk.shape(e as usize).weight))
+                {
+                    for (column, sum) in places.iter().zip(sums) {
+                        if let (Some(row), Some(column)) = (row, column) {
+                            mass[(*row, *column)] += density * sum;
+                        }
+                    }
+                }
+            }
+            // Lumped masses are the row sums; what joins the nodes is the rest.
+            for row in 0..nodes.len() {
+                mass[(row, row)] -= mass.row(row).sum();
+            }
+            BodyMass {
+                slots: nodes.iter().map(|n| dofs.slot[*n as usize]).collect(),
+                coupling: mass,
+            }
+        };
+        self.bodies = bodies.parts().map(mass).collect();
+    }
+
+    /// Coupling of the masses of each rigid body. `[body]`
+    pub(super) fn bodies(&self) -> &[BodyMass] {
+        &self.bodies
+    }
+
+    /// Adds the part of M v that couples nodes of rigid bodies to `to`. `[slot]`
+    pub fn add_coupling(&self, factor: f64, v: &[f64], to: &mut [f64]) {
+        for body in &self.bodies {
+            body.each(|row, column, mass| to[row] += factor * mass * v[column]);
+        }
+    }
+
+    /// The part of uᵀ M v that couples nodes of rigid bodies. `[slot]`
+    pub fn coupling(&self, u: &[f64], v: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for body in &self.bodies {
+            body.each(|row, column, mass| sum += u[row] * mass * v[column]);
+        }
+        sum
     }
 
     /// Total mass [tonne].
@@ -104,7 +196,7 @@ impl Mass {
     /// Kinetic energy ½ vᵀ M v [N mm].
     pub fn kinetic_energy(&self, velocity: &[f64]) -> f64 {
         let twice: f64 = self.slot.iter().zip(velocity).map(|(m, v)| m * v * v).sum();
-        0.5 * twice
+        0.5 * (twice + self.coupling(velocity, velocity))
     }
 
     /// Mean magnitude of M a over the elements' nodes [N], with the acceleration a of each slot [mm/s²]. It is the
@@ -134,4 +226,23 @@ fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
             })
             .sum()
     })
+}
+
+/// ∫ N_a N_b dV [mm³] in the same way.
+fn consistent(weight: &[f64; 8]) -> [[f64; 8]; 8] {
+    let at = 1.0 / 3.0_f64.sqrt();
+    let mut sum = [[0.0; 8]; 8];
+    for (g, w) in CORNERS.iter().zip(weight) {
+        let n = CORNERS.map(|a| {
+            (0..3)
+                .map(|i| 0.5 * (1.0 + at * a[i] * g[i]))
+                .product::<f64>()
+        });
+        for a in 0..8 {
+            for b in 0..8 {
+                sum[a][b] += w * n[a] * n[b];
+            }
+        }
+    }
+    sum
 }

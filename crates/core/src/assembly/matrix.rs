@@ -22,7 +22,16 @@ impl System {
         equations: &Equations,
         backend: Backend,
     ) -> Result<(usize, LinearSolver), LinearError> {
-        let (gather, solver) = self.ordered(&self.dofs, equations, backend)?;
+        let cells = self.cells();
+        let (gather, solver) = if self.rigid.is_empty() {
+            self.ordered(&cells, &self.dofs, equations, backend)?
+        } else {
+            let mut rigid = std::mem::take(&mut self.rigid);
+            let reduced = rigid.reduce(&self.dofs, equations, &cells);
+            let ordered = self.ordered(&reduced.cells, &reduced.dofs, &reduced.equations, backend);
+            self.rigid = rigid;
+            ordered?
+        };
         let entries = gather.row_idx.len();
         self.gather = Some(gather);
         self.analysis = solver.analysis().cloned();
@@ -32,13 +41,8 @@ impl System {
         Ok((entries, solver))
     }
 
-    /// Matrix pattern, elimination order and solver for the present candidates and the given unknowns.
-    fn ordered(
-        &self,
-        dofs: &DofMap,
-        equations: &Equations,
-        backend: Backend,
-    ) -> Result<(Gather, LinearSolver), LinearError> {
+    /// Nodes of all cells that contribute to the matrix.
+    fn cells(&self) -> Vec<[u32; 8]> {
         let mut cells = self.bulk.elements.clone();
         cells.extend(self.contact.cells());
         cells.extend(self.general.cells());
@@ -46,7 +50,18 @@ impl System {
         cells.extend(self.ties.cells());
         cells.extend(self.outside.cells());
         cells.extend(self.steered_cells());
-        let gather = Gather::new(&cells, dofs, equations, backend.kind());
+        cells
+    }
+
+    /// Matrix pattern, elimination order and solver for these cells and the given unknowns.
+    fn ordered(
+        &self,
+        cells: &[[u32; 8]],
+        dofs: &DofMap,
+        equations: &Equations,
+        backend: Backend,
+    ) -> Result<(Gather, LinearSolver), LinearError> {
+        let gather = Gather::new(cells, dofs, equations, backend.kind());
         let mut group = Vec::with_capacity(equations.len());
         let mut coordinates: Vec<[f64; 3]> = Vec::new();
         let mut last = usize::MAX;
@@ -83,7 +98,9 @@ impl System {
         trial: &Trial,
         part_of_own: f64,
     ) -> Result<(), LinearError> {
-        let (gather, mut solver) = self.ordered(dofs, equations, Backend::MultifrontalLlt)?;
+        let cells = self.cells();
+        let backend = Backend::MultifrontalLlt;
+        let (gather, mut solver) = self.ordered(&cells, dofs, equations, backend)?;
         let mut values = vec![0.0; gather.row_idx.len()];
         gather.fill(
             &trial.cells.stiffness,
@@ -109,7 +126,7 @@ impl System {
 
     /// Sums the cells into a matrix that was filled from this pattern before, at filling `last`. Only entries
     /// with a contribution of a changed cell are summed again.
-    pub fn refill(&self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
+    pub fn refill(&mut self, trial: &mut Trial, last: &mut Option<u64>, values: &mut [f64]) {
         /// Each filling has its own number. It identifies the trial and the matrix that belong together, also
         /// after a rejected increment.
         static FILLINGS: AtomicU64 = AtomicU64::new(1);
@@ -117,16 +134,36 @@ impl System {
         let known = *last == Some(trial.cells.filling)
             && trial.cells.changed.len() == trial.cells.active.len();
         let changed = known.then_some(&trial.cells.changed[..]);
-        gather.fill(&trial.cells.stiffness, &trial.cells.active, changed, values);
+        if self.rigid.is_empty() {
+            gather.fill(&trial.cells.stiffness, &trial.cells.active, changed, values);
+        } else {
+            self.rigid.fill(gather, trial, changed, values);
+        }
         trial.cells.changed.clear();
         trial.cells.changed.resize(trial.cells.active.len(), false);
         trial.cells.filling = FILLINGS.fetch_add(1, Ordering::Relaxed);
         *last = Some(trial.cells.filling);
     }
 
+    /// Node and direction of an equation of the matrix. A body stands under one of its nodes.
+    pub(crate) fn node_of_equation(
+        &self,
+        equations: &Equations,
+        equation: usize,
+    ) -> (usize, usize) {
+        let reduced = self.rigid.reduction();
+        let (dofs, equations) = reduced.map_or((&self.dofs, equations), |reduced| {
+            (&reduced.dofs, &reduced.equations)
+        });
+        dofs.node_of(equations.slot_of[equation] as usize)
+    }
+
     /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
     pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
         self.add_diagonal(equations, factor, &self.mass.slot, values);
+        if let Some(gather) = &self.gather {
+            (self.rigid).add_coupling(gather, factor, self.mass.bodies(), values);
+        }
     }
 
     /// Adds `factor` times the given coefficients to the diagonal of the matrix of `equations`. `coefficients`:
@@ -139,6 +176,10 @@ impl System {
         values: &mut [f64],
     ) {
         let Some(gather) = &self.gather else { return };
+        if !self.rigid.is_empty() {
+            (self.rigid).add_diagonal(gather, &self.dofs, factor, coefficients, values);
+            return;
+        }
         for (e, &slot) in equations.slot_of.iter().enumerate() {
             let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
             // Rows of a column ascend. The diagonal entry exists because an element couples every unknown with

@@ -14,6 +14,7 @@ mod mass;
 mod matrix;
 mod numerical_stiffness;
 pub mod pattern;
+mod rigid;
 mod sections;
 mod small_motion;
 mod solid;
@@ -33,6 +34,7 @@ pub use general::{General, Live};
 pub use increment_work::{PARTS, Works};
 pub use mass::Mass;
 pub use pattern::Gather;
+pub use rigid::RigidBodies;
 pub use sections::Cut;
 pub use small_motion::PointMotion;
 pub use springs::Springs;
@@ -93,6 +95,8 @@ pub struct System {
     pub springs: Springs,
     /// Ties.
     pub ties: Ties,
+    /// Rigid bodies.
+    pub rigid: RigidBodies,
     /// Named loads.
     pub outside: ExternalLoads,
     /// Sections.
@@ -126,9 +130,22 @@ impl System {
     /// # Errors
     /// [`bulk::BulkError`] if an element or its material cannot be prepared.
     pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
+        let mut system = Self::deformable(model)?;
+        let bodies = RigidBodies::new(model, &system.dofs, &system.springs, &system.ties);
+        (system.mass).of_bodies(&system.bulk, &system.dofs, model, &bodies);
+        system.make_rigid(bodies);
+        Ok(system)
+    }
+
+    /// Prepares the parts of a model, with stiff solids in place of rigid bodies.
+    ///
+    /// # Errors
+    /// [`bulk::BulkError`] if an element or its material cannot be prepared.
+    pub fn deformable(model: &Model) -> Result<Self, bulk::BulkError> {
         let (dofs, bulk) = (DofMap::new(model), Bulk::new(model)?);
         let mass = Mass::new(model, &bulk, &dofs);
         Ok(Self {
+            rigid: RigidBodies::default(),
             general: General::new(model, &mass),
             mass,
             dofs,
@@ -145,6 +162,18 @@ impl System {
             analysed_version: 0,
             analysed_pairs: Vec::new(),
         })
+    }
+
+    /// Replaces rigid bodies by stiff solids, until they are given back to [`Self::make_rigid`].
+    pub(crate) fn let_deform(&mut self) -> RigidBodies {
+        self.bulk.leave_out(std::iter::empty());
+        std::mem::take(&mut self.rigid)
+    }
+
+    /// Makes these bodies rigid again.
+    pub(crate) fn make_rigid(&mut self, bodies: RigidBodies) {
+        self.bulk.leave_out(bodies.elements());
+        self.rigid = bodies;
     }
 
     /// State at rest.
@@ -296,6 +325,7 @@ impl System {
                 }
             }
         }
+        self.rigid.show_forces(trial);
         self.evaluate_external(state, trial, setting, n_loaded);
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);

@@ -204,7 +204,11 @@ fn require_few_points(deck: &Deck, facets: usize) -> Result<(), ModelError> {
 fn named_materials(names: Vec<String>, parameters: Vec<MaterialParameters>) -> Vec<NamedMaterial> {
     let named = names.into_iter().zip(parameters);
     named
-        .map(|(name, parameters)| NamedMaterial { name, parameters })
+        .map(|(name, parameters)| NamedMaterial {
+            rigid: rigid::base(&name) != name,
+            name,
+            parameters,
+        })
         .collect()
 }
 

@@ -131,8 +131,16 @@ impl ModelBuilder {
         self.model.materials.push(NamedMaterial {
             name: name.to_owned(),
             parameters,
+            rigid: false,
         });
         MaterialId((self.model.materials.len() - 1) as u16)
+    }
+
+    /// Makes rigid bodies of the units of a material. Its parameters give their weight, and the stiffness of units that
+    /// cannot be rigid bodies because beams, springs or ties hold some of their nodes.
+    pub fn rigid(&mut self, material: MaterialId) -> &mut Self {
+        self.model.materials[usize::from(material.0)].rigid = true;
+        self
     }
 
     /// Adds a block with its lower corner at `low` and edges `size` along the axes [mm], of `cells` elements along

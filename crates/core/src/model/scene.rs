@@ -155,6 +155,9 @@ pub struct NamedMaterial {
     pub name: String,
     /// Its parameters, with tables as given, not yet scaled to the size of an element.
     pub parameters: crate::material::MaterialParameters,
+    /// Whether units of this material are rigid bodies. Those that cannot be, such as units tied to a beam, are solids
+    /// with these parameters.
+    pub rigid: bool,
 }
 
 /// Nodes that move as one without rotation: the level loading beam of a test.

@@ -33,6 +33,7 @@ pub fn model() -> Model {
     let material = |name: &str| NamedMaterial {
         name: name.to_owned(),
         parameters: MaterialParameters::Elastic(elastic),
+        rigid: false,
     };
     let step = |name: &str, x: BeamMotion| Step {
         name: name.to_owned(),

@@ -141,7 +141,7 @@ struct Vibration<'a> {
 
 impl<'a> Vibration<'a> {
     fn new(model: &'a Model, about: About<'a>) -> Result<Self, VibrationError> {
-        let mut system = System::new(model)?;
+        let mut system = System::deformable(model)?;
         let mut state = system.initial_state(model);
         let mut step = 0;
         if let About::Frame { frame, step: of } = about {

@@ -104,6 +104,8 @@ pub struct Motion {
     acceleration: Vec<f64>,
     /// C v₁ [N]. `[slot]`
     damping_force: Vec<f64>,
+    /// Part of M a₁ that couples the nodes of rigid bodies [N]. `[slot]`
+    coupled: Vec<f64>,
 }
 
 impl Motion {
@@ -140,6 +142,7 @@ impl Motion {
             velocity: vec![0.0; slots],
             acceleration: vec![0.0; slots],
             damping_force: vec![0.0; slots],
+            coupled: vec![0.0; slots],
         };
         motion.drive_at(step, system, slope);
         Some(motion)
@@ -243,6 +246,8 @@ impl Motion {
         }
         let slope = tangent.then(|| self.scheme.slopes(self.dt)[1]);
         self.damp(system, trial, slope);
+        self.coupled.fill(0.0);
+        (system.mass).add_coupling(1.0, &self.acceleration, &mut self.coupled);
     }
 
     /// Evaluates C v [N].
@@ -258,13 +263,17 @@ impl Motion {
         for (f, (m, v)) in self.damping_force.iter_mut().zip(masses) {
             *f += self.damping.mass * m * v;
         }
+        let force = &mut self.damping_force;
+        (system.mass).add_coupling(self.damping.mass, &self.velocity, force);
     }
 
     /// Terms of the residual of a slot beside p₁ − F₁ [N] (docs/theory/inertia.md, eq. 3).
     pub fn residual(&self, mass: &Mass, slot: usize) -> f64 {
         let alpha = self.scheme.alpha();
         self.damping_force[slot]
-            + (mass.slot[slot] * self.acceleration[slot] + alpha * self.net_start[slot])
+            + (mass.slot[slot] * self.acceleration[slot]
+                + self.coupled[slot]
+                + alpha * self.net_start[slot])
                 / (1.0 + alpha)
     }
 
@@ -330,6 +339,10 @@ impl Motion {
             numerical +=
                 mass.slot[s] * (a * du - mean * dv) - weight * (net - self.net_start[s]) * du;
         }
+        let pairs = || self.velocity.iter().zip(&state.velocity);
+        let change: Vec<f64> = pairs().map(|(v, start)| v - start).collect();
+        let mean: Vec<f64> = pairs().map(|(v, start)| 0.5 * (v + start)).collect();
+        numerical += mass.coupling(dq, &self.acceleration) - mass.coupling(&mean, &change);
         [numerical, damping]
     }
 }

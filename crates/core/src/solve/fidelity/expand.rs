@@ -186,7 +186,7 @@ impl Places {
 fn points(model: &Model, images: &Images, half: &Half) -> Option<Vec<(u32, Turn)>> {
     let facets = &model.contact.slave_facets;
     // Slip is given along the tangents of the facet that a point faces at rest.
-    let mut system = System::new(model).ok()?;
+    let mut system = System::deformable(model).ok()?;
     let pairs = system.initial_state(model).pairs;
     let weights = |point: usize| system.contact.points[point].weights;
     let tangents = |pair: &PointPair| {

@@ -76,6 +76,7 @@ fn symmetry_loss(
         return None;
     }
     let steered = system.steered.take();
+    let rigid = system.let_deform();
     let springs = system.springs.stiffen(Vec::new());
     let mut asked = Asked {
         model,
@@ -98,6 +99,7 @@ fn symmetry_loss(
     });
     system.springs.stiffen(springs);
     system.steered = steered;
+    system.make_rigid(rigid);
     symmetry_loss
 }
 

@@ -71,28 +71,59 @@ impl Newton<'_> {
             *d += pull;
         }
         // Both right-hand sides are solved together, while each part of the factors is in the cache.
-        let n = self.vectors.direction.len();
-        self.vectors
-            .direction
-            .extend_from_slice(&self.vectors.by_load);
-        let solved = match self.solve_near(guess) {
-            Ok(false) => self.factorise(trial).and_then(|()| {
-                let solver = self.matrix.solver.as_mut();
-                let solver = solver.ok_or(LinearError::NotFactorised)?;
-                let direction = &mut self.vectors.direction;
-                timed(&mut self.clock.solve, || solver.solve(direction)).map(drop)
-            }),
-            other => other.map(drop),
+        let solved = if system.rigid.is_empty() {
+            let n = self.vectors.direction.len();
+            let mut both = std::mem::take(&mut self.vectors.direction);
+            both.extend_from_slice(&self.vectors.by_load);
+            let solved = self.solve_in_place(trial, &mut both, guess);
+            self.vectors.by_load.copy_from_slice(&both[n..]);
+            both.truncate(n);
+            self.vectors.direction = both;
+            solved
+        } else {
+            self.solve_bodies(system, trial)
         };
-        self.vectors
-            .by_load
-            .copy_from_slice(&self.vectors.direction[n..]);
-        self.vectors.direction.truncate(n);
         solved.map_err(|why| self.rejection(system, why))
     }
 
+    /// The same in the unknowns of rigid bodies (docs/theory/rigid-bodies.md, eq. 4).
+    fn solve_bodies(&mut self, system: &System, trial: &Trial) -> Result<(), LinearError> {
+        let (dofs, equations) = (&system.dofs, &self.equations);
+        let gathered = |forces: &[f64]| system.rigid.gathered(dofs, equations, forces);
+        let mut both = gathered(&self.vectors.direction);
+        let n = both.len();
+        let loads = !self.vectors.by_load.is_empty();
+        if loads {
+            both.extend(gathered(&self.vectors.by_load));
+        }
+        self.solve_in_place(trial, &mut both, &[])?;
+        let (dofs, equations) = (&system.dofs, &self.equations);
+        let scattered = |moved: &[f64]| system.rigid.scattered(dofs, equations, moved);
+        self.vectors.direction = scattered(&both[..n]);
+        if loads {
+            self.vectors.by_load = scattered(&both[n..]);
+        }
+        Ok(())
+    }
+
+    /// `sides` ← K⁻¹ `sides`, for one or two right-hand sides, with factors at hand or new ones.
+    fn solve_in_place(
+        &mut self,
+        trial: &Trial,
+        sides: &mut [f64],
+        guess: &[f64],
+    ) -> Result<(), LinearError> {
+        if self.solve_near(sides, guess)? {
+            return Ok(());
+        }
+        self.factorise(trial)?;
+        let solver = self.matrix.solver.as_mut();
+        let solver = solver.ok_or(LinearError::NotFactorised)?;
+        timed(&mut self.clock.solve, || solver.solve(sides)).map(drop)
+    }
+
     /// Solves with factors of an earlier matrix of the increment, where they apply. Returns whether they served.
-    fn solve_near(&mut self, guess: &[f64]) -> Result<bool, LinearError> {
+    fn solve_near(&mut self, sides: &mut [f64], guess: &[f64]) -> Result<bool, LinearError> {
         let applies = self.model.fidelity == Fidelity::Auto && self.motion.is_none();
         let (Some(linear), Some(factors)) = (&mut self.matrix.solver, &mut self.matrix.factors)
         else {
@@ -102,7 +133,7 @@ impl Newton<'_> {
             return Ok(false);
         }
         let served = timed(&mut self.clock.solve, || {
-            linear.solve_near(&self.matrix.values, &mut self.vectors.direction, guess)
+            linear.solve_near(&self.matrix.values, sides, guess)
         })?;
         factors.served |= served;
         Ok(served)
@@ -188,7 +219,7 @@ impl Newton<'_> {
             | LinearError::NotFinite { equation } => Some(equation),
             _ => None,
         };
-        let dof = equation.map(|e| system.dofs.node_of(self.equations.slot_of[e] as usize));
+        let dof = equation.map(|e| system.node_of_equation(&self.equations, e));
         // A beam that moves no free node has none.
         let dof = dof.filter(|(node, _)| *node < system.dofs.slot.len());
         Rejection::Linear { why, dof }

@@ -65,6 +65,7 @@ impl Newton<'_> {
             && self.motion.is_none()
             && self.dashpots.is_none()
             && system.general.is_absent()
+            && system.rigid.is_empty()
             && !system.pattern_changed();
         let pattern = self.matrix.solver.as_ref().filter(|_| applies)?.pattern();
         let nodes = pattern.n_groups();

@@ -295,6 +295,7 @@ impl<'m> Newton<'m> {
         // The end of a relaxation is solved without its dashpots, which proves that it stands.
         on_path &= iteration > 0 || self.dashpots.as_ref().is_none_or(|d| d.factor > 0.0);
         loop {
+            self.straighten(at.system);
             timed(&mut self.clock.contact, || {
                 at.system.search(at.trial, &self.q);
             });
@@ -425,6 +426,7 @@ impl<'m> Newton<'m> {
         setting: Evaluation,
     ) -> Result<(), Rejection> {
         self.clock.evaluations += 1;
+        self.straighten(at.system);
         at.system
             .evaluate(
                 self.model,
@@ -466,7 +468,14 @@ impl<'m> Newton<'m> {
                 *r += motion.residual(&at.system.mass, slot as usize);
             }
         }
+        let (system, residual) = (&at.system, &mut self.vectors.residual);
+        (system.rigid).project(&system.dofs, &self.equations, &at.trial.x, residual);
         Ok(())
+    }
+
+    /// Moves the nodes of rigid bodies to a rigid pose.
+    fn straighten(&mut self, system: &System) {
+        system.rigid.straighten(&system.dofs, &mut self.q);
     }
 
     /// q ← q + η d with the energy line search; leaves the forces of the accepted point in `trial`.
