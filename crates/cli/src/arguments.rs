@@ -171,7 +171,7 @@ const REPORT_HELP: &str = "\
 One file that needs no network: the curve (click to move through the run), the deformed wall in 3D \
 with its damage, cracks and joints, key figures, energies, convergence, log, warnings, deck. It works \
 while a run goes on or after it was killed, too, and says what is missing. Frames are left out where \
-the page would exceed 2 MB.
+the page would exceed 2 MB (16 MB for large scenes).
 
 EXPERIMENT.csv has a line of names with displacement_mm and force_kN (or names that end so) and a row a \
 point [mm, kN]; # begins a comment.

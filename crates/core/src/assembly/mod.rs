@@ -80,6 +80,7 @@ pub enum Turning {
 }
 
 /// All parts of a model that are prepared once and evaluated in every iterate.
+// More than 15 fields: the parts of a model, the matrix of the step and its analysis.
 pub struct System {
     /// Unknowns.
     pub dofs: DofMap,
@@ -326,6 +327,9 @@ impl System {
             }
         }
         self.rigid.show_forces(trial);
+        if setting.tangent {
+            self.rigid.set_turning(setting.turning);
+        }
         self.evaluate_external(state, trial, setting, n_loaded);
         trial.force.resize(self.dofs.slots, 0.0);
         self.dofs.collect(&trial.node_force, &mut trial.force);

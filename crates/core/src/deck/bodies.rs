@@ -32,7 +32,7 @@ pub(super) struct Bodies<'a> {
     pub(super) all: Vec<Body>,
     /// Walls; their units are the first bodies.
     pub(super) walls: Vec<Masonry<'a>>,
-    /// Materials that are not in the deck, by name: those of imported files and of rigid-like bodies.
+    /// Materials that are not in the deck, by name: those of imported files and of rigid bodies.
     brought: BTreeMap<String, Material>,
     /// Warnings about files of meshes and of stones.
     pub(super) warnings: Vec<Warning>,
@@ -333,7 +333,7 @@ impl<'a> Bodies<'a> {
         });
     }
 
-    /// Index of the material `name`, or of its rigid-like substitute.
+    /// Index of the material `name`, or of its rigid substitute.
     fn solid(&mut self, name: &str, rigid: bool) -> u16 {
         let (Some(own), Some(stiffness)) = (
             self.deck.materials.get(name).filter(|_| rigid),

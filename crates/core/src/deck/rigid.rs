@@ -1,8 +1,9 @@
-//! Rigid-like bodies: walls, blocks and arches with `rigid = true`.
+//! Rigid bodies: walls, blocks and arches with `rigid = true` (theory/rigid-bodies.md).
 //!
-//! Such a body is elastic and a hundred times as stiff as the stiffest joint, so that joints deform instead. The
-//! deck must give the stiffness of the joints. Units of walls have as few elements as their neighbours allow;
-//! blocks and voussoirs have those of their `mesh`, by default one.
+//! Bodies of which a beam, a spring, a tie or a support holds single nodes stay solids: elastic, and a hundred times as
+//! stiff as the stiffest joint, so that joints deform instead. The deck must give the stiffness of the joints. Units of
+//! walls have as few elements as their neighbours allow; blocks and voussoirs have those of their `mesh`, by default
+//! one.
 
 use super::quantity::{Number, Pressure, Quantity};
 use super::schema::{Deck, DeckArch, DeckBlock, Material};
@@ -10,22 +11,22 @@ use crate::element::hexahedron::range;
 use crate::model::Model;
 use crate::model::scene::NamedMaterial;
 
-/// Stiffness E/h of a rigid-like body over that of the stiffest joint: bodies add a hundredth to the compliance of
+/// Stiffness E/h of a rigid body over that of the stiffest joint: bodies add a hundredth to the compliance of
 /// joints.
 const STIFFER: f64 = 100.0;
 
-/// Stiffness of rigid-like bodies.
+/// Stiffness of rigid bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stiffness {
     /// Young's modulus [MPa].
     pub(super) modulus: f64,
     /// Normal stiffness of the stiffest interface of the deck, used or not [N/mm³].
     pub(super) joint: f64,
-    /// Longest side of a rigid-like body [mm]; of a voussoir, its arc along the centre line counts.
+    /// Longest side of a rigid body [mm]; of a voussoir, its arc along the centre line counts.
     pub(super) side: f64,
 }
 
-/// Returns whether a deck has rigid-like bodies.
+/// Returns whether a deck has rigid bodies.
 pub(super) fn any(deck: &Deck) -> bool {
     deck.walls().any(|(_, _, wall)| wall.rigid)
         || deck.blocks.iter().any(|b| b.rigid)
@@ -36,7 +37,7 @@ fn arch(deck: &Deck) -> Option<&DeckArch> {
     deck.arch.as_ref().filter(|arch| arch.rigid)
 }
 
-/// Stiffness of the rigid-like bodies of a deck; none if there are no such bodies, or if no joint has an explicit
+/// Stiffness of the rigid bodies of a deck; none if there are no such bodies, or if no joint has an explicit
 /// stiffness.
 ///
 /// `of_files`: longest side of the rigid blocks of files [mm].
@@ -60,7 +61,7 @@ pub(super) fn stiffness(deck: &Deck, of_files: f64) -> Option<Stiffness> {
     })
 }
 
-/// Stiffness of the rigid-like bodies of a model that was built from a deck; none if there are no such bodies.
+/// Stiffness of the rigid bodies of a model that was built from a deck; none if there are no such bodies.
 pub(super) fn of_model(deck: &Deck, model: &Model) -> Option<Stiffness> {
     let is_rigid = |m: &&NamedMaterial| base(&m.name) != m.name;
     let modulus = model
@@ -96,19 +97,19 @@ fn sides(block: &DeckBlock) -> [f64; 3] {
     of_size.or(of_corners).unwrap_or_default()
 }
 
-/// Name of the material of rigid-like bodies whose material is `name`.
+/// Name of the material of rigid bodies whose material is `name`.
 pub(super) fn name_of(name: &str) -> String {
     format!("{name}{RIGID}")
 }
 
-/// Name of the material of the deck from which a rigid-like one was made.
+/// Name of the material of the deck from which a rigid one was made.
 pub(super) fn base(name: &str) -> &str {
     name.strip_suffix(RIGID).unwrap_or(name)
 }
 
 const RIGID: &str = " (rigid)";
 
-/// Material of rigid-like bodies: density of the deck's material, without tables.
+/// Material of rigid bodies: density of the deck's material, without tables.
 pub(super) fn material(of: &Material, stiffness: Stiffness) -> Material {
     Material::elastic(
         Pressure::new(stiffness.modulus),

@@ -53,7 +53,7 @@ fn choose_meshes(deck: &mut Deck) {
 
 /// Sets the penalty factor of mortar joints.
 ///
-/// It has no effect on explicit stiffnesses, which rigid-like units need. With general contact the stiffness also
+/// It has no effect on explicit stiffnesses, which rigid units need. With general contact the stiffness also
 /// stops moving bodies, and is not changed.
 fn choose_penalties(deck: &mut Deck) {
     if deck.contact.general.is_some() {

@@ -22,7 +22,7 @@ pub enum ContactPoints {
     /// 2×2 Gauss points; for bonded walls.
     #[default]
     Gauss,
-    /// The four corners, moved inwards by 1e-6 of the facet; for dry joints and rigid-like blocks.
+    /// The four corners, moved inwards by 1e-6 of the facet; for dry joints and rigid blocks.
     Corner,
 }
 

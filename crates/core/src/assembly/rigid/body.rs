@@ -8,6 +8,8 @@ use crate::model::mesh::{Mesh, Reflected};
 /// Part of the size of a body within which held nodes lie in one plane.
 const LEVEL: f64 = 1e-6;
 
+/// Strain that counts as none: some thousand roundings.
+const RIGID: f64 = 1e-12;
 /// Most iterations for the rotation; from a rigid pose, two or three.
 const MOST: usize = 20;
 /// Change of the rotation below which the next iterate, whose error is its square, is exact.
@@ -113,8 +115,9 @@ impl Body {
         })
     }
 
-    /// Displacements of the nodes at the rigid pose nearest to the displacements `u` [mm]. `[node of the body]`
-    pub(super) fn straightened(&self, u: impl Fn(u32) -> [f64; 3]) -> Vec<[f64; 3]> {
+    /// Displacements of the nodes at the rigid pose nearest to the displacements `u` [mm] `[node of the body]`; none if
+    /// `u` is a rigid pose but for rounding, which could part faces that touch.
+    pub(super) fn straightened(&self, u: impl Fn(u32) -> [f64; 3]) -> Option<Vec<[f64; 3]>> {
         let nodes = self.nodes.iter().zip(&self.arms);
         let x: Vec<_> = nodes.map(|(n, arm)| Vector3::from(u(*n)) + arm).collect();
         let mut shift = x.iter().sum::<Vector3<f64>>() / x.len() as f64;
@@ -125,9 +128,17 @@ impl Body {
             }
             None => self.rotation(&x, &shift),
         };
+        let pose = |arm: &Vector3<f64>| shift + rotation * arm;
+        let off = self
+            .arms
+            .iter()
+            .zip(&x)
+            .map(|(arm, x)| (pose(arm) - x).amax());
+        if off.fold(0.0, f64::max) <= RIGID * self.radius {
+            return None;
+        }
         let arms = self.arms.iter();
-        arms.map(|arm| (shift + rotation * arm - arm).into())
-            .collect()
+        Some(arms.map(|arm| (pose(arm) - arm).into()).collect())
     }
 
     /// Rotation R of the mean deformation gradient F = R U of the body (theory/rigid-bodies.md, eq. 2).
@@ -191,14 +202,14 @@ impl Body {
         }
     }
 
-    /// Derivative of the moment of the nodal forces of joints with the rotation of the body, its symmetric part, over
-    /// the square of `radius` [N/mm] (theory/rigid-bodies.md, eq. 6). `arms`: over `radius` `[node]`; `force`: of all
+    /// Derivative of the moment of the nodal forces of joints with the rotation of the body, over the square of
+    /// `radius` [N/mm] (theory/rigid-bodies.md, eq. 6). `arms`: over `radius` `[node]`; `force`: of all
     /// cells, of which the elements of the body show its forces [N].
     pub(super) fn turning(&self, arms: &[Vector3<f64>], force: &[[[f64; 3]; 8]]) -> Matrix3<f64> {
         let mut sum = Matrix3::zeros();
         for shown in &self.shown {
             let (arm, p) = (arms[shown.node as usize], -Vector3::from(shown.of(force)));
-            sum += 0.5 * (arm * p.transpose() + p * arm.transpose());
+            sum += arm * p.transpose();
             sum -= Matrix3::from_diagonal_element(arm.dot(&p));
         }
         sum / self.radius

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
-use super::{Springs, Ties, Trial};
+use super::{Springs, Ties, Trial, Turning};
 use crate::model::Model;
 use body::Body;
 use reduction::Reduction;
@@ -31,6 +31,8 @@ pub struct RigidBodies {
     body_of: Vec<u32>,
     /// Linear equations in the unknowns of the bodies, once the matrix was analysed.
     reduction: Option<Reduction>,
+    /// Whether the stiffness of forces whose arms turn is taken with its unsymmetric part.
+    unsymmetric: bool,
 }
 
 impl RigidBodies {
@@ -78,6 +80,11 @@ impl RigidBodies {
         self.bodies.len()
     }
 
+    /// Sets the treatment of forces whose arms turn: exact, or the symmetric part of their stiffness.
+    pub(super) fn set_turning(&mut self, turning: Turning) {
+        self.unsymmetric = turning == Turning::Exact;
+    }
+
     /// Elements of all bodies.
     pub(super) fn elements(&self) -> impl Iterator<Item = usize> {
         let all = self.bodies.iter().flat_map(|body| &body.elements);
@@ -100,7 +107,7 @@ impl RigidBodies {
             .map(|body| body.straightened(|n| of_node(n, before)))
             .collect();
         for (body, pose) in self.bodies.iter().zip(poses) {
-            for (n, u) in body.nodes.iter().zip(pose) {
+            for (n, u) in body.nodes.iter().zip(pose.into_iter().flatten()) {
                 for (slot, u) in dofs.slot[*n as usize].into_iter().zip(u) {
                     if slot != HELD {
                         q[slot as usize] = u;

@@ -183,10 +183,13 @@ impl RigidBodies {
             });
         let mut changed = changed.map(<[bool]>::to_vec);
         for body in &self.bodies {
-            let turning = body.turning(&reduction.arms, &cells.force);
             let e = body.elements[0] as usize;
             let cell = &mut reduction.stiffness[e * CELL..(e + 1) * CELL];
             cell.fill(0.0);
+            let mut turning = body.turning(&reduction.arms, &cells.force);
+            if !self.unsymmetric {
+                turning = 0.5 * (turning + turning.transpose());
+            }
             add(cell, 1, 1, &turning);
             reduction.active[e] = true;
             if let Some(changed) = &mut changed {

@@ -1,4 +1,4 @@
-//! Notes on the parts of a scene: walls, rigid-like bodies, beams, planes of symmetry, blocks, damping.
+//! Notes on the parts of a scene: walls, rigid bodies, beams, planes of symmetry, blocks, damping.
 
 use crate::deck::masonry::{self, Masonry};
 use crate::deck::quantity::{Frequency, GRAVITY};
@@ -54,7 +54,7 @@ pub(super) fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
         ));
     }
     if masonry.wall.rigid {
-        return notes; // reported together with all rigid-like bodies
+        return notes; // reported together with all rigid bodies
     }
     let Subdivision {
         length,
@@ -81,7 +81,7 @@ fn storey_note(masonry: &Masonry<'_>, of: &str) -> Option<String> {
     (!told.is_empty()).then(|| format!("storeys{of} end with a course at {}", told.join(", ")))
 }
 
-/// Note on the modulus of rigid-like bodies.
+/// Note on rigid bodies and the modulus of those that stay solids.
 pub(super) fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
     let rigid::Stiffness {
         modulus,
@@ -101,8 +101,9 @@ pub(super) fn rigid_note(deck: &Deck, model: &Model) -> Option<String> {
         ""
     };
     Some(format!(
-        "rigid: {} bodies of {} hex8 in all{lines}, linear elastic, E = {modulus:.4e} MPa: over {side:.1} mm 100 times as \
-         stiff as the stiffest interface, k_n = {joint} N/mm^3; tables of their materials are not used",
+        "rigid: {} bodies of {} hex8 in all{lines}, with six unknowns each; those of which a beam, a spring, a tie or a \
+         support holds single nodes are linear elastic, E = {modulus:.4e} MPa: over {side:.1} mm 100 times as stiff as \
+         the stiffest interface, k_n = {joint} N/mm^3; tables of their materials are not used",
         units.len(),
         elements.len()
     ))
@@ -261,7 +262,7 @@ pub(super) fn pivot_note(model: &Model) -> Option<String> {
     let inset = (1.0 - 1.0 / 3.0_f64.sqrt()) / 2.0;
     Some(format!(
         "contact: Gauss points move pivots inwards by {inset:.3} of a facet, up to {:.1} mm; for dry \
-         joints and rigid-like blocks take points = \"corner\"",
+         joints and rigid blocks take points = \"corner\"",
         inset * longest
     ))
 }

@@ -1,4 +1,4 @@
-//! Grid lines of rigid-like units: they lie where the neighbouring units end.
+//! Grid lines of rigid units: they lie where the neighbouring units end.
 //!
 //! ```text
 //!  ├───────┬───────┤

@@ -28,8 +28,7 @@ pub struct DeckArch {
     pub material: String,
     /// Interface of the radial joints.
     pub interface: String,
-    /// Whether the stones are rigid-like: a hundred times as stiff as the stiffest joint of the deck, with the
-    /// elements of `mesh`.
+    /// Whether the stones are rigid bodies, with the nodes of `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Number of elements of a voussoir along the arch, its width and its thickness.

@@ -44,8 +44,7 @@ pub struct DeckBlock {
     /// Number of elements along x, y, z.
     #[serde(default = "one_element")]
     pub mesh: [u32; 3],
-    /// Whether it is rigid-like: a hundred times as stiff as the stiffest joint of the deck, with the elements of
-    /// `mesh`.
+    /// Whether it is a rigid body, with the nodes of `mesh`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Velocity at the start of the first step with inertia [mm/s].

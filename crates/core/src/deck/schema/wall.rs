@@ -85,8 +85,7 @@ pub struct Wall {
     /// Number of elements of a representative element.
     #[serde(default)]
     pub mesh: Subdivision,
-    /// Whether units are rigid-like: with as few elements as possible, and a hundred times as stiff as the stiffest
-    /// joint of the deck.
+    /// Whether units are rigid bodies, with as few nodes as possible.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub rigid: bool,
     /// Courses that are clamped as a whole. `false`: supports and steps hold and move the wall, as they do for all

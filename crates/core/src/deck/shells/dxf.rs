@@ -11,6 +11,9 @@ use std::collections::BTreeMap;
 /// Largest number of corners of an outline.
 const MOST_OF_OUTLINE: usize = 10_000;
 
+/// Bulge of an arc of 45 degrees, which rises by a tenth of its chord.
+const WIDEST: f64 = 0.198_912_4;
+
 /// An entity that is being read.
 #[derive(Default)]
 struct Entity {
@@ -19,7 +22,8 @@ struct Entity {
     layer: String,
     handle: String,
     is_closed: bool,
-    bulges: bool,
+    /// Bulge of the side that begins at a corner: the tangent of a quarter of the angle of its arc. `[corner]`
+    bulges: Vec<f64>,
     /// Whether its plane is not that of x and y.
     is_turned: bool,
     corners: Vec<[f64; 2]>,
@@ -49,6 +53,7 @@ pub(super) fn read(bytes: &[u8], reading: Reading) -> Result<Soup, ShellError> {
         unit: reading.unit,
         count: Count::default(),
         others: BTreeMap::new(),
+        arcs: (0, 0.0),
         entity: Entity::default(),
         is_inside: false,
         is_ended: false,
@@ -96,14 +101,22 @@ impl Entity {
             5 => value.clone_into(&mut self.handle),
             8 => value.clone_into(&mut self.layer),
             70 => self.is_closed = value.parse::<i64>().unwrap_or(0) & 1 == 1,
-            10 => self.corners.push([number()?, f64::NAN]),
+            10 => {
+                self.corners.push([number()?, f64::NAN]);
+                self.bulges.push(0.0);
+            }
             20 => {
                 let y = number()?;
                 if let Some(corner) = self.corners.last_mut() {
                     corner[1] = y;
                 }
             }
-            42 => self.bulges |= number()? != 0.0,
+            42 => {
+                let bulge = number()?;
+                if let Some(last) = self.bulges.last_mut() {
+                    *last = bulge;
+                }
+            }
             210 | 220 => self.is_turned |= number()? != 0.0,
             230 => self.is_turned |= number()? < 0.0,
             _ => {}
@@ -121,6 +134,8 @@ struct Reader {
     others: BTreeMap<String, usize>,
     /// Unit of length of the deck [mm].
     unit: f64,
+    /// Number of arcs and their largest rise above their chords [mm].
+    arcs: (usize, f64),
     /// The entity that is being read.
     entity: Entity,
     /// Whether it is one of the section of entities.
@@ -202,9 +217,6 @@ impl Reader {
         if !of.is_closed {
             return wrong("is not closed", "close it in the drawing, or delete it");
         }
-        if of.bulges {
-            return wrong("has arcs", "divide the arcs into straight lines");
-        }
         if of.is_turned {
             return wrong(
                 "does not lie in the plane of x and y",
@@ -217,7 +229,25 @@ impl Reader {
             let message = format!("has {} corners, or one without y", of.corners.len());
             return wrong(&message, "an outline has 3 to 10000 corners");
         }
+        if of.bulges.iter().any(|bulge| bulge.abs() > WIDEST) {
+            return wrong(
+                "has an arc of more than 45 degrees, whose chord would not stand for it",
+                "divide it into shorter arcs or straight lines",
+            );
+        }
+        self.count_arcs(&of);
         self.extrude(&of, place)
+    }
+
+    /// Counts the arcs of an outline, which become their chords.
+    fn count_arcs(&mut self, of: &Entity) {
+        let ends = of.corners.iter().cycle().skip(1);
+        let sides = of.corners.iter().zip(ends).zip(&of.bulges);
+        for ((a, b), bulge) in sides.filter(|(_, bulge)| **bulge != 0.0) {
+            let rise = 0.5 * bulge.abs() * (a[0] - b[0]).hypot(a[1] - b[1]);
+            self.arcs.0 += 1;
+            self.arcs.1 = self.arcs.1.max(rise * self.unit);
+        }
     }
 
     fn extrude(&mut self, of: &Entity, place: Place) -> Result<(), ShellError> {
@@ -275,6 +305,12 @@ impl Reader {
                 "draw the outline of each block as a closed polyline",
             ));
         }
+        let (arcs, rise) = self.arcs;
+        if arcs > 0 {
+            self.soup.notes.push(format!(
+                "{arcs} arcs are straight lines between their ends, beside which they rise by at most {rise:.2} mm"
+            ));
+        }
         if !others.is_empty() {
             self.soup.notes.push(format!(
                 "entities that are no LWPOLYLINE are not read: {}",
@@ -326,6 +362,16 @@ mod tests {
         assert!(soup.notes[1].contains("1 LINE"), "{:?}", soup.notes);
     }
 
+    /// The side from (0, 1.5) to (2, 0) is an arc that rises by 0.1 times half of its chord.
+    #[test]
+    fn short_arcs_become_their_chords() {
+        let text = drawing(&OUTLINE.replace("20 1.5", "20 1.5 42 0.1"));
+        let soup = Soup::read("dxf", text.as_bytes(), READING).unwrap();
+        assert_eq!(soup.parts[0].faces.len(), 5);
+        let note = "1 arcs are straight lines between their ends, beside which they rise by at most 125.00 mm";
+        assert!(soup.notes.iter().any(|n| n == note), "{:?}", soup.notes);
+    }
+
     #[test]
     fn bad_outlines_name_handle_and_line() {
         let said = |text: &str| {
@@ -338,7 +384,7 @@ mod tests {
                 "70 0 10",
                 " line 15: the LWPOLYLINE 2A of the layer `arch` is not closed",
             ),
-            ("20 1.5", "20 1.5 42 0.5", "has arcs"),
+            ("20 1.5", "20 1.5 42 0.5", "has an arc of more than 45"),
             ("90 3", "90 3 230 -1", "plane of x and y"),
             ("20 1.5", "20 nan", " line 32: `nan` is no finite number"),
             ("20 1.5", "", "one without y"),

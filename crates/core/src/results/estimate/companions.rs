@@ -90,7 +90,7 @@ fn finer_meshes(deck: &Deck, by: f64) -> Result<Set, String> {
     let arch = arch.map(|arch| ("arch.mesh".to_owned(), plain(arch.mesh)));
     let set: Set = walls.chain(blocks).chain(arch).collect();
     if set.is_empty() {
-        return Err("units are rigid-like and have no mesh".to_owned());
+        return Err("units are rigid and have no mesh".to_owned());
     }
     Ok(set)
 }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The page has only the boundary facets of the solids, with displacements in 16 bits and damage in 8 bits. Frames
-//! are omitted, with a note, if the page would exceed [`LIMIT`]. An incomplete folder (without a summary, fields or a
+//! are omitted, with a note, if the page would exceed [`LIMIT`], of large scenes [`LARGEST`]. An incomplete folder (without a summary, fields or a
 //! drive) gives a page with the available parts.
 
 mod figures;
@@ -34,6 +34,10 @@ use view::{Scene, View};
 
 /// Size of the page up to which frames are added [byte].
 pub const LIMIT: usize = 2_000_000;
+/// The same for scenes of which fewer than [`FRAMES`] frames would fit [byte]. Browsers open such a page within seconds.
+pub const LARGEST: usize = 16_000_000;
+/// Number of frames that show how a wall moves.
+const FRAMES: usize = 12;
 
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/style.css");
@@ -89,7 +93,7 @@ impl Report {
     /// # Errors
     /// The history cannot be read. Other missing or damaged files are noted on the page.
     pub fn of(folder: &RunFolder, experiment: Option<&Experiment>) -> Result<Self, ReadError> {
-        Self::within(folder, experiment, LIMIT)
+        Self::between(folder, experiment, [LIMIT, LARGEST])
     }
 
     /// [`Report::of`] with another limit for the size of the page [byte].
@@ -100,6 +104,15 @@ impl Report {
         folder: &RunFolder,
         experiment: Option<&Experiment>,
         limit: usize,
+    ) -> Result<Self, ReadError> {
+        Self::between(folder, experiment, [limit, limit])
+    }
+
+    /// A page of at most `limit`, or of at most `largest` with at most [`FRAMES`] frames [byte].
+    fn between(
+        folder: &RunFolder,
+        experiment: Option<&Experiment>,
+        [limit, largest]: [usize; 2],
     ) -> Result<Self, ReadError> {
         let history = folder.history()?;
         let mut notes = Vec::new();
@@ -141,10 +154,12 @@ impl Report {
         if let Some(scene) = scene {
             let (still, each) = scene.sizes();
             let around = text.page(&data, &notes).len() + still;
-            let room = limit.saturating_sub(around) / each;
+            let room_below = |limit: usize| limit.saturating_sub(around) / each;
+            let room = room_below(limit).max(FRAMES.min(room_below(largest)));
+            let limit = limit.max((around + room * each).min(largest));
             let chosen = chosen_frames(&row_of_frame, &rows, peak, room);
             notes.extend(some_of(chosen.len(), times.len(), |some, all| {
-                let megabytes = limit as f64 / 1e6;
+                let megabytes = (limit as f64 / 1e6).ceil();
                 format!(
                     "The wall is shown at {some} of {all} frames, so that the page stays below {megabytes} MB; \
                      results.vtkhdf has all."

@@ -87,7 +87,7 @@ impl Checks<'_> {
             }
             self.known_interface(&format!("{path}.interface"), &contact.interface);
         }
-        // The modulus of rigid-like bodies follows from the stiffness of joints, and not the reverse.
+        // The modulus of rigid bodies follows from the stiffness of joints, and not the reverse.
         if rigid::any(deck) {
             let of_contacts = deck.contacts.iter().map(|c| &c.interface);
             let of_beams = deck.beams.iter().map(|beam| &beam.interface);

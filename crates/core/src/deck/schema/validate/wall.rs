@@ -78,7 +78,7 @@ impl Checks<'_> {
         );
     }
 
-    /// Requires an explicit stiffness of joints of rigid-like bodies, whose modulus follows from it.
+    /// Requires an explicit stiffness of joints of rigid bodies, whose modulus follows from it.
     pub(super) fn stiffness_of_joints<'n>(&mut self, name: impl Into<Option<&'n String>>) {
         let named = name.into();
         let named = named.and_then(|name| self.deck.interfaces.get_key_value(name));
