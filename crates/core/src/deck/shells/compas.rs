@@ -2,9 +2,12 @@
 //!
 //! A mesh is any object with `vertex` and `face` (data of `compas.datastructures.Mesh`, old and new), or with
 //! `vertices` and `faces` (polyhedra). They are found at any depth, so that the many forms of assemblies need no reader
-//! of their own. Interfaces between blocks are passed over.
+//! of their own. Interfaces between blocks are passed over. The `transformation` of an element applies to the meshes
+//! in it.
 
 use std::collections::HashMap;
+
+use nalgebra::{Matrix4, Point3, RowVector4};
 
 use super::json::{Json, get};
 use super::{Count, Part, Place, Polygon, ShellError, Soup};
@@ -42,6 +45,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ShellError> {
         )
     })?;
     let mut finder = Finder::default();
+    finder.is_grouped = has_groups(&value);
     finder.visit(&value, None)?;
     if finder.soup.parts.is_empty() {
         return Err(ShellError::new(
@@ -57,6 +61,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ShellError> {
 struct Finder {
     soup: Soup,
     count: Count,
+    /// Whether elements are grouped below others, whose transformations would apply to them as well.
+    is_grouped: bool,
+    /// Product of the transformations of the objects around the present one; none if there is none.
+    transformation: Option<Matrix4<f64>>,
 }
 
 impl Finder {
@@ -70,13 +78,29 @@ impl Finder {
     }
 
     fn object(&mut self, object: &[Entry], name: Option<&str>) -> Result<(), ShellError> {
-        if get(object, "transformation").is_some_and(|t| !matches!(t, Json::Null)) {
+        let given = get(object, "transformation").filter(|t| !matches!(t, Json::Null));
+        let Some(given) = given else {
+            return self.parts(object, name);
+        };
+        if self.is_grouped {
             return Err(wrong(
                 name,
-                "it has a transformation, which is not read",
+                "it has a transformation in a tree of groups, whose transformations are not read",
                 "apply the transformations before you write the file",
             ));
         }
+        let own = matrix(given).ok_or_else(|| {
+            let help = "a transformation is a matrix of four rows of four numbers, the last one 0, 0, 0, 1";
+            wrong(name, "its transformation has no such matrix", help)
+        })?;
+        let around = self.transformation;
+        self.transformation = Some(around.map_or(own, |around| around * own));
+        let read = self.parts(object, name);
+        self.transformation = around;
+        read
+    }
+
+    fn parts(&mut self, object: &[Entry], name: Option<&str>) -> Result<(), ShellError> {
         let of = |key: &str| get(object, key);
         if let (Some(Json::Object(vertex)), Some(Json::Object(face))) = (of("vertex"), of("face")) {
             let own = of("attributes").and_then(|a| a.get("name"));
@@ -119,6 +143,9 @@ impl Finder {
             let message = || format!("vertex {key} has no finite x, y, z");
             let x = coordinates(point)
                 .ok_or_else(|| wrong(name, &message(), "write the mesh again"))?;
+            let x = self
+                .transformation
+                .map_or(x, |by| by.transform_point(&Point3::from(x)).into());
             index.insert(key.to_owned(), self.soup.vertices.len() as u32);
             self.soup.vertices.push(x);
         }
@@ -151,6 +178,47 @@ impl Finder {
         }
         self.soup.parts.push(part);
         Ok(())
+    }
+}
+
+/// The matrix of a transformation: of the object or of its data.
+fn matrix(of: &Json) -> Option<Matrix4<f64>> {
+    let rows = of.get("matrix").or_else(|| of.get("data")?.get("matrix"))?;
+    let Json::List(rows) = rows else {
+        return None;
+    };
+    let mut matrix = Matrix4::zeros();
+    for (i, row) in rows.iter().enumerate() {
+        let Json::List(row) = row else {
+            return None;
+        };
+        for (j, value) in row.iter().enumerate() {
+            *matrix.get_mut((i, j))? = value.number().filter(|x| is_sound(*x))?;
+        }
+    }
+    let last = matrix.row(3) == RowVector4::new(0.0, 0.0, 0.0, 1.0);
+    (last && rows.len() == 4).then_some(matrix)
+}
+
+/// Whether a model has a tree in which elements stand below others.
+fn has_groups(value: &Json) -> bool {
+    let children = |node: &Json| match node.get("children") {
+        Some(Json::List(children)) => !children.is_empty(),
+        _ => false,
+    };
+    match value {
+        Json::List(items) => items.iter().any(has_groups),
+        Json::Object(entries) => entries.iter().any(|(key, value)| match &**key {
+            "tree" => {
+                let tree = value.get("data").unwrap_or(value);
+                match tree.get("root").and_then(|root| root.get("children")) {
+                    Some(Json::List(first)) => first.iter().any(children),
+                    _ => false,
+                }
+            }
+            _ => has_groups(value),
+        }),
+        _ => false,
     }
 }
 
@@ -222,6 +290,29 @@ mod tests {
         assert_eq!(names(polyhedron), [(None, vec![0, 1, 2])]);
     }
 
+    /// A quarter turn about z and a shift.
+    const TURNED: &str = r#""transformation": {"dtype": "compas.geometry/Transformation", "data": {"matrix":
+        [[0, -1, 0, 10], [1, 0, 0, 20], [0, 0, 1, 30], [0, 0, 0, 1]]}}"#;
+
+    #[test]
+    fn transformations_of_elements_apply_to_their_meshes() {
+        let mesh = format!("{{{VERTEX}, \"face\": {{\"0\": [2, 10, 7]}}}}");
+        let read = |element: &str| {
+            let text = format!("[{element}, {mesh}]");
+            Soup::read("json", text.as_bytes(), MM).unwrap().vertices
+        };
+        // Vertices in the order 2, 7, 10; the mesh after the element stays where it is.
+        let points = read(&format!("{{{TURNED}, \"geometry\": {mesh}}}"));
+        let turned = [[10.0, 20.0, 30.0], [8.0, 20.0, 29.0], [10.0, 21.5, 30.0]];
+        let rest = [[0.0, 0.0, 0.0], [0.0, 2.0, -1.0], [1.5, 0.0, 0.0]];
+        assert_eq!(points, [turned, rest].concat());
+        // An element in another one has both transformations: half a turn.
+        let points = read(&format!(
+            "{{{TURNED}, \"parts\": {{{TURNED}, \"geometry\": {mesh}}}}}"
+        ));
+        assert_eq!(points[2], [-11.5, 30.0, 60.0]);
+    }
+
     #[test]
     fn bad_files_name_the_block() {
         let node = |of: &str| format!(r#"{{"node": {{"8": {{"block": {{{of}}}}}}}}}"#);
@@ -241,7 +332,14 @@ mod tests {
                 node(&format!(
                     "\"transformation\": [1], {VERTEX}, \"face\": {{}}"
                 )),
-                "block `8`: it has a transformation",
+                "block `8`: its transformation has no such matrix",
+            ),
+            (
+                format!(
+                    "{{\"tree\": {{\"root\": {{\"children\": [{{\"children\": [{{}}]}}]}}}}, \"elements\": [{{{}, {VERTEX}, \"face\": {{}}}}]}}",
+                    TURNED
+                ),
+                "it has a transformation in a tree of groups",
             ),
         ] {
             let said = error("json", text.as_bytes());
