@@ -42,7 +42,7 @@ fn a_body_keeps_its_shape_while_it_falls_over() {
     // Released beyond the angle at which it falls.
     let text = rocking("gravity = \"9.81 m/s^2\"")
         .replace("5.65496 deg", "14 deg")
-        .replace("duration = \"0.45 s\"", "duration = \"0.9 s\"");
+        .replace("duration = \"0.45 s\"", "duration = \"1.2 s\"");
     let (model, _) = Model::from_deck(&parsed(&text)).unwrap();
     let (recording, _) = run(&model);
     let frame = recording.frames.last().unwrap();

@@ -44,8 +44,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ShellError> {
             help,
         )
     })?;
-    let mut finder = Finder::default();
-    finder.is_grouped = has_groups(&value);
+    let mut finder = Finder {
+        is_grouped: has_groups(&value),
+        ..Finder::default()
+    };
     finder.visit(&value, None)?;
     if finder.soup.parts.is_empty() {
         return Err(ShellError::new(

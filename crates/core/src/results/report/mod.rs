@@ -154,9 +154,7 @@ impl Report {
         if let Some(scene) = scene {
             let (still, each) = scene.sizes();
             let around = text.page(&data, &notes).len() + still;
-            let room_below = |limit: usize| limit.saturating_sub(around) / each;
-            let room = room_below(limit).max(FRAMES.min(room_below(largest)));
-            let limit = limit.max((around + room * each).min(largest));
+            let (room, limit) = room([limit, largest], around, each);
             let chosen = chosen_frames(&row_of_frame, &rows, peak, room);
             notes.extend(some_of(chosen.len(), times.len(), |some, all| {
                 let megabytes = (limit as f64 / 1e6).ceil();
@@ -211,6 +209,14 @@ impl Report {
     pub fn write(&self, path: &Path) -> io::Result<()> {
         write_whole(path, self.html.as_bytes())
     }
+}
+
+/// Number of frames for which the page has room, and its size then, at most `limit`, or at most `largest` with at most
+/// [`FRAMES`] frames [byte]. `around`: size of the rest; `each`: of a frame.
+fn room([limit, largest]: [usize; 2], around: usize, each: usize) -> (usize, usize) {
+    let below = |limit: usize| limit.saturating_sub(around) / each;
+    let room = below(limit).max(FRAMES.min(below(largest)));
+    (room, limit.max((around + room * each).min(largest)))
 }
 
 /// A note if some are shown and not all.
