@@ -338,8 +338,8 @@ mod tests {
             ),
             (
                 format!(
-                    "{{\"tree\": {{\"root\": {{\"children\": [{{\"children\": [{{}}]}}]}}}}, \"elements\": [{{{}, {VERTEX}, \"face\": {{}}}}]}}",
-                    TURNED
+                    "{{\"tree\": {{\"root\": {{\"children\": [{{\"children\": [{{}}]}}]}}}}, \
+                     \"elements\": [{{{TURNED}, {VERTEX}, \"face\": {{}}}}]}}"
                 ),
                 "it has a transformation in a tree of groups",
             ),
