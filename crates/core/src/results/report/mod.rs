@@ -34,7 +34,7 @@ use view::{Scene, View};
 
 /// Size of the page up to which frames are added [byte].
 pub const LIMIT: usize = 2_000_000;
-/// The same for scenes of which fewer than [`FRAMES`] frames would fit [byte]. Browsers open such a page within seconds.
+/// The same for scenes of which fewer than twelve frames would fit [byte]. Browsers open such a page within seconds.
 pub const LARGEST: usize = 16_000_000;
 /// Number of frames that show how a wall moves.
 const FRAMES: usize = 12;
