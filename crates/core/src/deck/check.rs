@@ -130,7 +130,7 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         notes.extend(block_notes(deck, model));
     }
     notes.extend(pivot_note(model));
-    notes.extend(inertia_note(model));
+    notes.extend(inertia_note(deck, model));
     notes.extend(damping_notes(deck));
     notes
 }

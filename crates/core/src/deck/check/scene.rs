@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use crate::deck::masonry::{self, Masonry};
 use crate::deck::quantity::{Frequency, GRAVITY};
 use crate::deck::rigid;
-use crate::deck::schema::{Deck, DeckBeam, Subdivision, Turning};
+use crate::deck::schema::{Deck, DeckBeam, StepKind, Subdivision, Turning};
 use crate::deck::symmetry::{self, Plane};
 use crate::model::Model;
 use crate::model::floors::Floor;
@@ -246,11 +246,12 @@ pub(super) fn floor_notes(model: &Model) -> Vec<String> {
     model.floors.iter().map(note).collect()
 }
 
-/// Note on blocks of one element in dynamic steps, whose lumped mass turns three times as heavily as that of the solid
+/// Note on blocks of one element in dynamic and free steps, whose lumped mass turns three times as heavily as that of the solid
 /// (theory/inertia.md, eq. 7).
-pub(super) fn inertia_note(model: &Model) -> Option<String> {
+pub(super) fn inertia_note(deck: &Deck, model: &Model) -> Option<String> {
     let is_dynamic = |step: &Step| matches!(step.procedure, Procedure::Dynamic { .. });
-    if !model.steps.iter().any(is_dynamic) {
+    let moves_freely = deck.steps.iter().any(|step| step.kind == StepKind::Free);
+    if !moves_freely && !model.steps.iter().any(is_dynamic) {
         return None;
     }
     let mesh = &model.mesh;
