@@ -157,3 +157,72 @@ tolerance = {{ residual = 1e-5 }}
         assert!(apart < 1e-4, "{leaf}: {forces:?}");
     }
 }
+
+/// Stone on stone on ground, pushed at the top. Sections lie in the joint and in the lower stone, which therefore stays a
+/// solid.
+#[test]
+fn sections_of_rigid_stones_balance_the_loads() {
+    let text = r#"
+format = 1
+[materials.stone]
+E = "10 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.6
+mu = 0.6
+normal_stiffness = "50 N/mm^3"
+shear_stiffness = "20 N/mm^3"
+[[blocks]]
+name = "lower"
+size = [100, 50, 200]
+mesh = [1, 1, 4]
+material = "stone"
+rigid = true
+[[blocks]]
+name = "upper"
+size = [100, 50, 200]
+at = [0, 0, 200]
+material = "stone"
+rigid = true
+[[contacts]]
+slave = "upper.bottom"
+master = "lower.top"
+interface = "dry"
+[[supports]]
+on = "lower.bottom"
+[[sections]]
+name = "joint"
+through = [0, 0, 200]
+[[sections]]
+name = "stone"
+through = [0, 0, 100]
+[[steps]]
+kind = "load"
+procedure = "static"
+tolerance = { residual = 1e-6 }
+[[steps.loads]]
+name = "push"
+on = "upper.top"
+traction = ["0.002 MPa", 0, "-0.04 MPa"]
+"#;
+    let (model, _) = Model::from_deck(&parsed(text)).unwrap();
+    let (recording, summary) = run(&model);
+    assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+    let columns = model.columns();
+    let last = recording.rows.last().unwrap();
+    let value = |name: &str| {
+        let at = columns.iter().position(|column| column == name).unwrap();
+        last.probes[at]
+    };
+    for (name, height) in [("joint", 0.2), ("stone", 0.3)] {
+        // Tractions on 100 x 50 mm²; the top moves by hundredths of a millimetre, which the vertical force adds.
+        for (column, exact) in [("N_kN", -0.2), ("Vx_kN", 0.01), ("My_kNm", 0.01 * height)] {
+            let found = value(&format!("{name}_{column}"));
+            let error = (found / exact - 1.0).abs();
+            assert!(error < 5e-3, "{name} {column}: {found} {exact}");
+        }
+    }
+}

@@ -11,6 +11,7 @@ mod tests;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 
 use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
 use super::{Springs, Ties, Trial, Turning};
@@ -21,9 +22,9 @@ use reduction::Reduction;
 /// Number that stands for no body.
 const NONE: u32 = u32::MAX;
 
-/// Rigid bodies of a model. Units of rigid material that are tied to beams, springs, ties or controlling probes, that
-/// lie across two planes of symmetry, or that supports hold in another way than in a plane, are not among them: they
-/// stay stiff solids.
+/// Rigid bodies of a model. Units of rigid material that are tied to beams, springs, ties or controlling probes, that a
+/// section cuts, that lie across two planes of symmetry, or that supports hold in another way than in a plane, are not
+/// among them: they stay stiff solids.
 #[derive(Debug, Default)]
 pub struct RigidBodies {
     bodies: Vec<Body>,
@@ -170,7 +171,7 @@ fn equation(equations: &Equations, slot: u32) -> Option<usize> {
     of.filter(|e| *e != PRESCRIBED).map(|e| e as usize)
 }
 
-/// Nodes that a rigid body may have: they belong to one unit, move by slots of their own, and carry no spring, tie
+/// Nodes that a rigid body may have: they belong to one unit, move by slots of their own, lie in no section, and carry no spring, tie
 /// or controlling probe.
 fn fit_nodes(model: &Model, dofs: &DofMap, springs: &Springs, ties: &Ties) -> Vec<bool> {
     let mesh = &model.mesh;
@@ -187,6 +188,13 @@ fn fit_nodes(model: &Model, dofs: &DofMap, springs: &Springs, ties: &Ties) -> Ve
         *fit &= slots
             .iter()
             .all(|s| *s == HELD || (*s as usize) < dofs.beam_start);
+    }
+    for section in &model.sections {
+        let nodes = |e: &u32| mesh.elements[*e as usize];
+        let below: FxHashSet<u32> = section.below.iter().flat_map(nodes).collect();
+        for n in section.above.iter().flat_map(nodes) {
+            fit[n as usize] &= !below.contains(&n);
+        }
     }
     let cells = springs
         .cells()
