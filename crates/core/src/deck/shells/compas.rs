@@ -143,11 +143,14 @@ impl Finder {
         let mut index = HashMap::new();
         for (key, point) in points {
             let message = || format!("vertex {key} has no finite x, y, z");
-            let x = coordinates(point)
+            let moved = |x: [f64; 3]| -> [f64; 3] {
+                let by = self.transformation;
+                by.map_or(x, |by| by.transform_point(&Point3::from(x)).into())
+            };
+            let x = coordinates(point).map(moved);
+            let x = x
+                .filter(|x| x.iter().all(|x| is_sound(*x)))
                 .ok_or_else(|| wrong(name, &message(), "write the mesh again"))?;
-            let x = self
-                .transformation
-                .map_or(x, |by| by.transform_point(&Point3::from(x)).into());
             index.insert(key.to_owned(), self.soup.vertices.len() as u32);
             self.soup.vertices.push(x);
         }
@@ -194,6 +197,9 @@ fn matrix(of: &Json) -> Option<Matrix4<f64>> {
         let Json::List(row) = row else {
             return None;
         };
+        if row.len() != 4 {
+            return None;
+        }
         for (j, value) in row.iter().enumerate() {
             *matrix.get_mut((i, j))? = value.number().filter(|x| is_sound(*x))?;
         }
@@ -313,6 +319,26 @@ mod tests {
             "{{{TURNED}, \"parts\": {{{TURNED}, \"geometry\": {mesh}}}}}"
         ));
         assert_eq!(points[2], [-11.5, 30.0, 60.0]);
+    }
+
+    #[test]
+    fn bad_transformations_are_refused() {
+        for (from, to) in [
+            ("[0, 0, 0, 1]]", "[0, 0, 1]]"),
+            ("[0, 0, 0, 1]]", "[0, 0, 1, 1]]"),
+            (", [0, 0, 0, 1]]", "]"),
+            ("[0, 0, 1, 30]", "[0, 0, 1, \"30\"]"),
+            ("[0, 0, 1, 30]", "[0, 0, 1, 1e300]"),
+        ] {
+            let bad = TURNED.replace(from, to);
+            assert_ne!(bad, TURNED);
+            let text = format!("{{{bad}, {VERTEX}, \"face\": {{}}}}");
+            let said = error("json", text.as_bytes());
+            assert!(
+                said.contains("its transformation has no such matrix"),
+                "{said}"
+            );
+        }
     }
 
     #[test]
