@@ -214,30 +214,23 @@ impl Mass {
 
 /// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
 fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
-    let at = 1.0 / 3.0_f64.sqrt();
     CORNERS.map(|a| {
-        CORNERS
-            .iter()
-            .zip(weight)
-            .map(|(g, w)| {
-                w * (0..3)
-                    .map(|i| 0.5 * (1.0 + at * a[i] * g[i]))
-                    .product::<f64>()
-            })
-            .sum()
+        let points = CORNERS.iter().zip(weight);
+        points.map(|(g, w)| w * shape(a, *g)).sum()
     })
+}
+
+/// N_a at the Gauss point nearest to corner `g`.
+fn shape(a: [f64; 3], g: [f64; 3]) -> f64 {
+    let at = 1.0 / 3.0_f64.sqrt();
+    (0..3).map(|i| 0.5 * (1.0 + at * a[i] * g[i])).product()
 }
 
 /// ∫ N_a N_b dV [mm³] in the same way.
 fn consistent(weight: &[f64; 8]) -> [[f64; 8]; 8] {
-    let at = 1.0 / 3.0_f64.sqrt();
     let mut sum = [[0.0; 8]; 8];
     for (g, w) in CORNERS.iter().zip(weight) {
-        let n = CORNERS.map(|a| {
-            (0..3)
-                .map(|i| 0.5 * (1.0 + at * a[i] * g[i]))
-                .product::<f64>()
-        });
+        let n = CORNERS.map(|a| shape(a, *g));
         for a in 0..8 {
             for b in 0..8 {
                 sum[a][b] += w * n[a] * n[b];
