@@ -7,11 +7,26 @@ use wythe::model::Model;
 use wythe::model::scene::Fidelity;
 use wythe::state::Status;
 
+/// Stones on dry joints.
+const STONES: &str = r#"
+format = 1
+[materials.stone]
+E = "10 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.6
+mu = 0.6
+normal_stiffness = "50 N/mm^3"
+shear_stiffness = "20 N/mm^3"
+"#;
+
 /// Example 86 as one rigid body, released at half of the angle at which it would fall.
-fn rocking(gravity: &str) -> String {
+fn rocking() -> String {
     let text = include_str!("../../../examples/86_rocking_block.toml");
     let text = text.replace("mesh = [2, 1, 10]", "rigid = true");
-    let text = text.replace("gravity = \"9.81 m/s^2\"", gravity);
     let stiff = "mu = 1\nnormal_stiffness = \"1000 N/mm^3\"\nshear_stiffness = \"400 N/mm^3\"";
     text.replace("mu = 1", stiff)
 }
@@ -20,8 +35,7 @@ fn rocking(gravity: &str) -> String {
 /// − cos α) at the impact. A lumped mass would give two thirds of ω².
 #[test]
 fn a_block_rocks_with_the_moment_of_inertia_of_a_solid() {
-    let text = rocking("gravity = \"9.81 m/s^2\"")
-        .replace("initial = 0.01, max = 0.01", "initial = 0.004, max = 0.004");
+    let text = rocking().replace("initial = 0.01, max = 0.01", "initial = 0.004, max = 0.004");
     let recording = completed(&Model::from_deck(&parsed(&text)).unwrap().0);
     let (width, height, start) = (0.2_f64, 1.0_f64, 5.65496_f64.to_radians());
     let (radius, slenderness) = (0.5 * width.hypot(height), (width / height).atan());
@@ -59,7 +73,7 @@ fn the_checker_names_bodies_of_one_element_that_move_freely() {
 #[test]
 fn a_body_keeps_its_shape_while_it_falls_over() {
     // Released beyond the angle at which it falls.
-    let text = rocking("gravity = \"9.81 m/s^2\"")
+    let text = rocking()
         .replace("5.65496 deg", "14 deg")
         .replace("duration = \"0.45 s\"", "duration = \"1.2 s\"");
     let (model, _) = Model::from_deck(&parsed(&text)).unwrap();
@@ -97,24 +111,12 @@ fn a_body_keeps_its_shape_while_it_falls_over() {
     );
 }
 
-/// Units that have a face in the plane through the thickness, and units that lie across it.
+/// Units of one element through the thickness lie across its middle plane.
 #[test]
 fn halves_of_rigid_walls_have_the_forces_of_the_whole() {
     for leaf in ["100 mm", "210 mm"] {
         let text = format!(
             r#"
-format = 1
-[materials.stone]
-E = "10 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.6
-mu = 0.6
-normal_stiffness = "50 N/mm^3"
-shear_stiffness = "20 N/mm^3"
 [contact]
 points = "corner"
 [wall]
@@ -140,7 +142,7 @@ increments = {{ initial = 0.05, max = 0.05 }}
 tolerance = {{ residual = 1e-5 }}
 "#
         );
-        let (mut model, _) = Model::from_deck(&parsed(&text)).unwrap();
+        let (mut model, _) = Model::from_deck(&parsed(&format!("{STONES}{text}"))).unwrap();
         let mut forces = Vec::new();
         for fidelity in [Fidelity::Auto, Fidelity::Full] {
             model.fidelity = fidelity;
@@ -163,18 +165,6 @@ tolerance = {{ residual = 1e-5 }}
 #[test]
 fn sections_of_rigid_stones_balance_the_loads() {
     let text = r#"
-format = 1
-[materials.stone]
-E = "10 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.6
-mu = 0.6
-normal_stiffness = "50 N/mm^3"
-shear_stiffness = "20 N/mm^3"
 [[blocks]]
 name = "lower"
 size = [100, 50, 200]
@@ -208,7 +198,7 @@ name = "push"
 on = "upper.top"
 traction = ["0.002 MPa", 0, "-0.04 MPa"]
 "#;
-    let (model, _) = Model::from_deck(&parsed(text)).unwrap();
+    let (model, _) = Model::from_deck(&parsed(&format!("{STONES}{text}"))).unwrap();
     let (recording, summary) = run(&model);
     assert_eq!(summary.status, Status::Completed, "{}", summary.message);
     let columns = model.columns();

@@ -171,8 +171,8 @@ fn equation(equations: &Equations, slot: u32) -> Option<usize> {
     of.filter(|e| *e != PRESCRIBED).map(|e| e as usize)
 }
 
-/// Nodes that a rigid body may have: they belong to one unit, move by slots of their own, lie in no section, and carry no spring, tie
-/// or controlling probe.
+/// Nodes that a rigid body may have: they belong to one unit, move by slots of their own, lie in no section, and carry
+/// no spring, tie or controlling probe.
 fn fit_nodes(model: &Model, dofs: &DofMap, springs: &Springs, ties: &Ties) -> Vec<bool> {
     let mesh = &model.mesh;
     let mut fit = vec![true; mesh.nodes.len()];

@@ -68,7 +68,11 @@ struct Rig {
 
 impl Rig {
     fn new() -> Self {
-        let deck = Deck::from_str(DECK, "test").unwrap();
+        Self::of(DECK)
+    }
+
+    fn of(text: &str) -> Self {
+        let deck = Deck::from_str(text, "test").unwrap();
         let (model, _) = Model::from_deck(&deck).unwrap();
         let mut system = System::new(&model).unwrap();
         let state = system.initial_state(&model);
@@ -144,12 +148,22 @@ impl Rig {
 
 #[test]
 fn the_matrix_is_the_derivative_of_the_resultants() {
-    let mut rig = Rig::new();
+    is_the_derivative(Rig::new(), 12);
+}
+
+/// A body with a face that is held in a plane has three unknowns.
+#[test]
+fn so_it_is_for_a_body_that_is_held_in_a_plane() {
+    let held = "[[supports]]\non = \"upper.front\"\nfixed = [\"y\"]\n[[steps]]";
+    is_the_derivative(Rig::of(&DECK.replace("[[steps]]", held)), 9);
+}
+
+fn is_the_derivative(mut rig: Rig, unknowns: usize) {
     assert_eq!(rig.system.rigid.len(), 2);
     let rest = rig.state.q.clone();
     rig.forces(&rest);
     let n = rig.matrix().nrows();
-    assert_eq!(n, 12);
+    assert_eq!(n, unknowns);
     // Pressed, pulled aside and turned by some hundredths, so that forces are large and arms have turned.
     let by: Vec<f64> = (0..n)
         .map(|e| 0.05 * (1.0 + 7.0 * e as f64).sin() - 0.02)
