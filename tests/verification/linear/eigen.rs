@@ -1,6 +1,6 @@
 //! The eigenvalue solver against the closed form of a grid, with equal eigenvalues, free motion and negative ones.
 
-use wythe::linear::eigen::{EigenError, Lowest, lowest};
+use wythe::linear::eigen::{EigenError, Lowest, MassMatrix, lowest};
 use wythe::linear::{Backend, LinearSolver, Options, Pattern};
 
 /// K of springs between neighbours of a chain, with `ends` held or free; entries in compressed columns.
@@ -43,7 +43,11 @@ fn grid(n: usize, diagonal: impl Fn(usize) -> f64) -> Chain {
 fn solve(chain: &Chain, mass: &[f64], wanted: usize) -> Result<Lowest, EigenError> {
     let options = Options::new(Backend::MultifrontalLlt);
     let mut solver = LinearSolver::analyse(&chain.pattern, options).unwrap();
-    lowest(&mut solver, &chain.values, mass, wanted)
+    let mass = MassMatrix {
+        diagonal: mass.to_vec(),
+        below: Vec::new(),
+    };
+    lowest(&mut solver, &chain.values, &mass, wanted)
 }
 
 /// K x.
@@ -102,6 +106,49 @@ fn a_grid_has_its_eigenvalues_the_equal_ones_as_often_as_they_are() {
         );
     }
     println!("{} solves", found.solves);
+}
+
+/// Rods side by side with the consistent mass of linear elements, M = 1 ⊗ (1, 4, 1)/6, which has the eigenvectors of K.
+#[test]
+fn masses_may_couple_the_equations() {
+    let n = 20;
+    let chain = grid(n, |_| 4.0);
+    let neighbours = (0..n * n).filter(|j| j % n > 0);
+    let mass = MassMatrix {
+        diagonal: vec![4.0 / 6.0; n * n],
+        // In two parts.
+        below: neighbours
+            .flat_map(|j| [1.0 / 24.0, 3.0 / 24.0].map(|m| (j as u32, j as u32 - 1, m)))
+            .collect(),
+    };
+    let cosine = |i: usize| (i as f64 * std::f64::consts::PI / (n + 1) as f64).cos();
+    let pairs = (1..=n).flat_map(|i| (1..=n).map(move |j| (cosine(i), cosine(j))));
+    let mut closed: Vec<f64> = pairs
+        .map(|(a, b)| (4.0 - 2.0 * a - 2.0 * b) / ((4.0 + 2.0 * a) / 6.0))
+        .collect();
+    closed.sort_by(f64::total_cmp);
+    // A few by the block method, all by a basis of all vectors.
+    for wanted in [10, n * n] {
+        let options = Options::new(Backend::MultifrontalLlt);
+        let mut solver = LinearSolver::analyse(&chain.pattern, options).unwrap();
+        let found = lowest(&mut solver, &chain.values, &mass, wanted).unwrap();
+        assert_eq!(found.pairs.len(), wanted);
+        for (pair, closed) in found.pairs.iter().zip(&closed) {
+            // The square of the residual, and rounding over the smallest eigenvalue.
+            assert!((pair.value / closed - 1.0).abs() < 1e-10, "{}", pair.value);
+        }
+    }
+    // 1ᵀ M⁻¹ 1 from the sine series of each rod: Σ (Σ_j √(2/(n+1)) sin)² / m_i.
+    let of_rod = (1..=n).map(|i| {
+        let terms =
+            (1..=n).map(|j| (i as f64 * j as f64 * std::f64::consts::PI / (n + 1) as f64).sin());
+        let sum = terms.sum::<f64>() * (2.0 / (n + 1) as f64).sqrt();
+        sum * sum / ((4.0 + 2.0 * cosine(i)) / 6.0)
+    });
+    let closed = n as f64 * of_rod.sum::<f64>();
+    let product = mass.inverse_product(&vec![1.0; n * n]);
+    // Bound of the conjugate gradients, and rounding.
+    assert!((product / closed - 1.0).abs() < 1e-11, "{product} {closed}");
 }
 
 #[test]

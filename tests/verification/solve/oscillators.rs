@@ -8,7 +8,7 @@ use wythe::model::scene::{Gravity, Procedure, Rayleigh, Spring, Step, Tangent};
 /// zero the scale is a hundredth of its largest force, and rounding is 1e-11 of it.
 const EXACT: f64 = 1e-8;
 
-/// One element, fixed except for its top, which moves axially: k = EA/L, m = ϱAL/2.
+/// One element, fixed except for its top, which moves axially: k = EA/L, m = ϱAL/3.
 struct Oscillator {
     model: Model,
     /// √(k/m) [1/s].
@@ -34,7 +34,7 @@ fn oscillator() -> Oscillator {
     model.initial_velocity = vec![[0.0, 0.0, V0]; model.mesh.nodes.len()];
     Oscillator {
         model,
-        omega: (2.0 * e / DENSITY).sqrt() / length,
+        omega: (3.0 * e / DENSITY).sqrt() / length,
     }
 }
 

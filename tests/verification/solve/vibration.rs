@@ -107,13 +107,13 @@ fn a_cantilever_bends_with_the_frequency_of_timoshenko() {
 }
 
 #[test]
-fn a_bar_swings_along_itself_as_a_chain_of_masses() {
+fn a_bar_swings_along_itself_as_a_chain_of_linear_elements() {
     let (length, n) = (1000.0, 10);
     let found = at_rest(&cantilever([100.0, 120.0, length], [1, 1, n]), 12);
     let speed = (E / DENSITY).sqrt();
-    // Lumped masses: ω = 2c/h sin(π/(4n)), which tends to πc/(2L).
-    let element = length / n as f64;
-    let closed = 2.0 * speed / element * (FRAC_PI_2 / (2 * n) as f64).sin() / TAU;
+    // Consistent masses: ω² = 6 c²/h² (1 − cos α)/(2 + cos α) with α = π/(2n), which tends to πc/(2L).
+    let (element, cosine) = (length / n as f64, (FRAC_PI_2 / n as f64).cos());
+    let closed = (6.0 * (1.0 - cosine) / (2.0 + cosine)).sqrt() * speed / element / TAU;
     let mode = main_mode(&found, 2);
     // Rounding of the stiffness.
     assert!(
@@ -163,8 +163,7 @@ fn a_rigid_block_vibrates_on_the_springs_of_its_joint() {
     let [x, y, z] = BLOCK;
     let [k_n, k_s] = JOINT;
     let (area, mass) = (x * y, DENSITY * x * y * z);
-    // Lumped masses: ∫x² dm = m L²/12 (1 + 2/n²).
-    let second = |i: usize| BLOCK[i].powi(2) / 12.0 * (1.0 + 2.0 / (CELLS[i] as f64).powi(2));
+    let second = |i: usize| BLOCK[i].powi(2) / 12.0;
     // Vertical and about the vertical axis.
     let vertical = k_n * area / mass;
     let about_z = k_s * area * (x * x + y * y) / 12.0 / (mass * (second(0) + second(1)));

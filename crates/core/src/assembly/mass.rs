@@ -1,15 +1,15 @@
-//! Lumped mass from the densities, and the forces of a uniform acceleration.
+//! Mass from the densities, and the forces of a uniform acceleration.
 //!
-//! Each mass is a row sum of the consistent mass matrix of the element (Hughes 2000, §7.3.2; theory/inertia.md, eq.
-//! 7):
+//! The mass of an element is its consistent matrix (Hughes 2000, §7.3.2; theory/inertia.md, eq. 7), kept as its row
+//! sums at the nodes, the lumped masses, and the rest that couples the nodes:
 //!
 //! ```text
-//! m_a = Σ_b ∫ ρ N_a N_b dV = ∫ ρ N_a dV
+//! M_ab = ∫ ρ N_a N_b dV = m_a δ_ab + C_ab,   m_a = ∫ ρ N_a dV,   Σ_b C_ab = 0
 //! ```
 //!
-//! The 2×2×2 Gauss points of the element integrate the volume of a trilinear hexahedron exactly, so the total mass
-//! is exact. Floors add their masses to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements
-//! moves nothing.
+//! Both give a moving body its momentum; the rest gives it its moments of inertia. The 2×2×2 Gauss points of the
+//! element integrate the volume of a trilinear hexahedron exactly, so the total mass is exact. Floors add their masses
+//! to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
 
 use nalgebra::DMatrix;
 
@@ -18,8 +18,99 @@ use super::{Bulk, RigidBodies};
 use crate::element::hex8::CORNERS;
 use crate::model::Model;
 
-/// Consistent mass of a rigid body, M_ab = ∫ ρ N_a N_b dV, beside its lumped one. It gives the moments of inertia of
-/// the solid (theory/rigid-bodies.md, eq. 7).
+/// Pairs b ≤ a of the nodes of an element.
+const PAIRS: [(usize, usize); 36] = {
+    let mut pairs = [(0, 0); 36];
+    let (mut a, mut pair) = (0, 0);
+    while a < 8 {
+        let mut b = 0;
+        while b <= a {
+            pairs[pair] = (a, b);
+            (b, pair) = (b + 1, pair + 1);
+        }
+        a += 1;
+    }
+    pairs
+};
+
+/// Coupling of the nodes of the deformable elements.
+#[derive(Clone, Debug)]
+struct Couplings {
+    /// Nodes of the elements. `[element][node]`
+    nodes: Vec<[u32; 8]>,
+    /// C_ab of the pairs b ≤ a [tonne]. `[element][pair]`
+    of_pairs: Vec<[f64; 36]>,
+    /// Slots of the nodes. `[node][xyz]`
+    slots: Vec<[u32; 3]>,
+    /// Parts of the slots' displacements that the nodes make. `[node][xyz]`
+    parts: Vec<[f64; 3]>,
+}
+
+impl Couplings {
+    /// Coupling of all elements.
+    fn new(bulk: &Bulk, dofs: &DofMap, model: &Model) -> Self {
+        let of = |e: usize| {
+            let all = consistent(&bulk.shape(e).weight);
+            let density = density(model, e);
+            let mut pairs = [0.0; 36];
+            for (pair, (a, b)) in pairs.iter_mut().zip(PAIRS) {
+                let lumped: f64 = if a == b { all[a].iter().sum() } else { 0.0 };
+                *pair = density * (all[a][b] - lumped);
+            }
+            pairs
+        };
+        Self {
+            nodes: bulk.elements.clone(),
+            of_pairs: (0..bulk.elements.len()).map(of).collect(),
+            slots: dofs.slot.clone(),
+            parts: dofs.sign.clone(),
+        }
+    }
+
+    /// Leaves elements out. `rigid`: `[element]`
+    fn leave_out(&mut self, rigid: &[bool]) {
+        let stays = |list: usize| !rigid[list];
+        let mut e = 0;
+        self.nodes.retain(|_| {
+            e += 1;
+            stays(e - 1)
+        });
+        e = 0;
+        self.of_pairs.retain(|_| {
+            e += 1;
+            stays(e - 1)
+        });
+    }
+
+    /// Visits the directions of the pairs of nodes, each pair of different nodes in both orders.
+    fn each_node(&self, mut visit: impl FnMut([usize; 2], usize, f64)) {
+        for (nodes, pairs) in self.nodes.iter().zip(&self.of_pairs) {
+            for (coupling, (a, b)) in pairs.iter().zip(PAIRS) {
+                let [a, b] = [nodes[a] as usize, nodes[b] as usize];
+                for i in 0..3 {
+                    visit([a, b], i, *coupling);
+                    if a != b {
+                        visit([b, a], i, *coupling);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Visits the pairs of slots that it couples, each pair of different nodes in both orders.
+    fn each(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        self.each_node(|[a, b], i, coupling| {
+            let [row, column] = [self.slots[a][i], self.slots[b][i]];
+            if row != HELD && column != HELD {
+                let mass = self.parts[a][i] * self.parts[b][i] * coupling;
+                visit(row as usize, column as usize, mass);
+            }
+        });
+    }
+}
+
+/// Consistent mass of a rigid body beside its lumped one. It gives the moments of inertia of the solid
+/// (theory/rigid-bodies.md, eq. 7).
 #[derive(Clone, Debug)]
 pub(super) struct BodyMass {
     /// Slots of its nodes. `[node][xyz]`
@@ -54,10 +145,12 @@ pub struct Mass {
     lever: Vec<f64>,
     /// Direction of each slot's displacement. `[slot]`
     direction: Vec<u8>,
-    /// Rigid bodies.
+    /// Coupling in the deformable elements.
+    elements: Couplings,
+    /// Coupling in the rigid bodies.
     bodies: Vec<BodyMass>,
     /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
-    elements: f64,
+    count: f64,
 }
 
 impl Mass {
@@ -65,8 +158,7 @@ impl Mass {
     pub fn new(model: &Model, bulk: &Bulk, dofs: &DofMap) -> Self {
         let mut node = vec![0.0; model.mesh.nodes.len()];
         for (e, nodes) in bulk.elements.iter().enumerate() {
-            let material = &model.materials[model.mesh.material[e] as usize].parameters;
-            let density = material.elastic().density;
+            let density = density(model, e);
             let volumes = nodal_volumes(&bulk.shape(e).weight);
             for (&n, volume) in nodes.iter().zip(volumes) {
                 node[n as usize] += density * volume;
@@ -96,8 +188,9 @@ impl Mass {
             slot,
             lever,
             direction,
+            elements: Couplings::new(bulk, dofs, model),
             bodies: Vec::new(),
-            elements: bulk.count,
+            count: bulk.count,
         }
     }
 
@@ -112,11 +205,7 @@ impl Mass {
         let mass = |(nodes, elements): (&[u32], &[u32])| {
             let mut mass = DMatrix::zeros(nodes.len(), nodes.len());
             for &e in elements {
-                let material = model.mesh.material[e as usize];
-                let density = model.materials[usize::from(material)]
-                    .parameters
-                    .elastic()
-                    .density;
+                let density = density(model, e as usize);
                 let own = |n: u32| model.mesh.reflected(n).map_or(n, |image| image.of);
                 let places = bulk.elements[e as usize].map(|n| nodes.binary_search(&own(n)).ok());
                 for (row, sums) in places
@@ -140,6 +229,29 @@ impl Mass {
             }
         };
         self.bodies = bodies.parts().map(mass).collect();
+        let mut rigid = vec![false; bulk.elements.len()];
+        for e in bodies.parts().flat_map(|(_, elements)| elements) {
+            rigid[*e as usize] = true;
+        }
+        self.elements.leave_out(&rigid);
+    }
+
+    /// Inertia forces on supported displacements at the accelerations of the slots [N]. `[node][xyz]`
+    pub fn held_forces(&self, acceleration: &[f64]) -> Vec<[f64; 3]> {
+        let mut forces = vec![[0.0; 3]; self.node.len()];
+        self.elements.each_node(|[a, b], i, coupling| {
+            let [row, column] = [a, b].map(|n| self.elements.slots[n][i]);
+            if row == HELD && column != HELD {
+                let part = self.elements.parts[b][i];
+                forces[a][i] += coupling * part * acceleration[column as usize];
+            }
+        });
+        forces
+    }
+
+    /// Visits the pairs of slots that elements couple, and what couples them [tonne].
+    pub(super) fn each_coupling(&self, visit: impl FnMut(usize, usize, f64)) {
+        self.elements.each(visit);
     }
 
     /// Coupling of the masses of each rigid body. `[body]`
@@ -147,16 +259,18 @@ impl Mass {
         &self.bodies
     }
 
-    /// Adds the part of M v that couples nodes of rigid bodies to `to`. `[slot]`
+    /// Adds the part of M v that couples nodes to `to`. `[slot]`
     pub fn add_coupling(&self, factor: f64, v: &[f64], to: &mut [f64]) {
+        (self.elements).each(|row, column, mass| to[row] += factor * mass * v[column]);
         for body in &self.bodies {
             body.each(|row, column, mass| to[row] += factor * mass * v[column]);
         }
     }
 
-    /// The part of uᵀ M v that couples nodes of rigid bodies. `[slot]`
+    /// The part of uᵀ M v that couples nodes. `[slot]`
     pub fn coupling(&self, u: &[f64], v: &[f64]) -> f64 {
         let mut sum = 0.0;
+        (self.elements).each(|row, column, mass| sum += u[row] * mass * v[column]);
         for body in &self.bodies {
             body.each(|row, column, mass| sum += u[row] * mass * v[column]);
         }
@@ -208,8 +322,14 @@ impl Mass {
             .zip(acceleration)
             .map(|(m, a)| m * a.abs())
             .sum();
-        sum / (8.0 * self.elements.max(f64::MIN_POSITIVE))
+        sum / (8.0 * self.count.max(f64::MIN_POSITIVE))
     }
+}
+
+/// Density of an element [tonne/mm³].
+fn density(model: &Model, element: usize) -> f64 {
+    let material = usize::from(model.mesh.material[element]);
+    model.materials[material].parameters.elastic().density
 }
 
 /// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
@@ -238,4 +358,118 @@ fn consistent(weight: &[f64; 8]) -> [[f64; 8]; 8] {
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mass;
+    use crate::assembly::{Equations, System};
+    use crate::deck::Deck;
+    use crate::linear::Backend;
+    use crate::model::Model;
+
+    /// A block of one element, free or with what the tests add.
+    const DECK: &str = r#"
+format = 1
+[materials.stone]
+E = "10 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+[[blocks]]
+name = "block"
+size = [200, 100, 60]
+at = [30, -20, 10]
+material = "stone"
+[[steps]]
+kind = "free"
+"#;
+
+    fn system(more: &str) -> (Model, System) {
+        let deck = DECK.replace("[[steps]]", &format!("{more}[[steps]]"));
+        let deck = Deck::from_str(&deck, "test").unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let system = System::new(&model).unwrap();
+        (model, system)
+    }
+
+    fn twice_kinetic(mass: &Mass, v: &[f64]) -> f64 {
+        2.0 * mass.kinetic_energy(v)
+    }
+
+    #[test]
+    fn a_block_of_one_element_has_the_moments_of_inertia_of_a_solid() {
+        let (model, system) = system("");
+        let (dofs, mass) = (&system.dofs, &system.mass);
+        let size: [f64; 3] = [200.0, 100.0, 60.0];
+        let centre = [130.0, 30.0, 40.0];
+        let all = 2e-9 * size.iter().product::<f64>();
+        for axis in 0..3 {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let (mut turns, mut moves) = (vec![0.0; dofs.slots], vec![0.0; dofs.slots]);
+            for (x, slots) in model.mesh.nodes.iter().zip(&dofs.slot) {
+                turns[slots[u] as usize] = centre[v] - x[v];
+                turns[slots[v] as usize] = x[u] - centre[u];
+                moves[slots[axis] as usize] = 1.0;
+            }
+            let inertia = all * (size[u].powi(2) + size[v].powi(2)) / 12.0;
+            // Rounding.
+            assert!((twice_kinetic(mass, &turns) / inertia - 1.0).abs() < 1e-12);
+            assert!((twice_kinetic(mass, &moves) / all - 1.0).abs() < 1e-12);
+            // M r = 0 for the product of a rotation and a translation about the centre.
+            assert!(mass.coupling(&turns, &moves).abs() < 1e-12 * inertia);
+        }
+    }
+
+    #[test]
+    fn the_matrix_has_the_masses_that_the_forces_have() {
+        let (model, mut system) = system("[[supports]]\non = \"block.left\"\n");
+        let equations = Equations::new(&system.dofs, &model.steps[0]);
+        for backend in [Backend::MultifrontalLlt, Backend::FaerLu] {
+            let (entries, solver) = system.analyse(&equations, backend).unwrap();
+            let mut values = vec![0.0; entries];
+            system.add_mass(&equations, 3.0, &mut values);
+            for column in 0..equations.len() {
+                let mut way = vec![0.0; system.dofs.slots];
+                way[equations.slot_of[column] as usize] = 1.0;
+                let mut forces: Vec<f64> = (way.iter().zip(&system.mass.slot))
+                    .map(|(a, m)| m * a)
+                    .collect();
+                system.mass.add_coupling(1.0, &way, &mut forces);
+                for row in column..equations.len() {
+                    let entry = solver.pattern().find(row, column);
+                    let entry = entry.map_or(0.0, |k| values[k]);
+                    let force = 3.0 * forces[equations.slot_of[row] as usize];
+                    // Rounding.
+                    assert!(
+                        (entry - force).abs() < 1e-15,
+                        "{row} {column} {entry} {force}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Newton's law: the inertia forces on free and on held displacements together are those of the whole mass.
+    #[test]
+    fn supports_feel_their_part_of_the_inertia() {
+        let (model, system) = system("[[supports]]\non = \"block.left\"\n");
+        let (dofs, mass) = (&system.dofs, &system.mass);
+        let way: Vec<f64> = (0..dofs.slots).map(|s| (s as f64).sin()).collect();
+        let mut forces: Vec<f64> = (way.iter().zip(&mass.slot)).map(|(a, m)| m * a).collect();
+        mass.add_coupling(1.0, &way, &mut forces);
+        let held = mass.held_forces(&way);
+        let mut u = vec![[0.0; 3]; model.mesh.nodes.len()];
+        dofs.spread(&way, &mut u);
+        for i in 0..3 {
+            let slots = dofs.slot.iter().map(|slots| slots[i]);
+            let free: f64 = (slots.filter(|s| *s != super::HELD))
+                .map(|s| forces[s as usize])
+                .sum();
+            let at_supports: f64 = held.iter().map(|force| force[i]).sum();
+            let whole: f64 = u.iter().zip(&mass.node).map(|(u, m)| m * u[i]).sum();
+            assert!(at_supports.abs() > 1e-6, "{at_supports}");
+            // Rounding.
+            assert!((free + at_supports - whole).abs() < 1e-15);
+        }
+    }
 }

@@ -1,8 +1,11 @@
 //! The matrix of a system: its pattern, analysis and filling from the cells.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::dofs::PRESCRIBED;
 use super::{DofMap, Equations, Gather, System, Trial};
+use crate::linear::eigen::MassMatrix;
 use crate::linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 
 impl System {
@@ -34,6 +37,7 @@ impl System {
         };
         let entries = gather.row_idx.len();
         self.gather = Some(gather);
+        self.couplings = OnceLock::new();
         self.analysis = solver.analysis().cloned();
         self.analysed_version = self.contact.version();
         self.analysed_pairs.clear();
@@ -158,12 +162,51 @@ impl System {
         dofs.node_of(equations.slot_of[equation] as usize)
     }
 
-    /// Adds `factor` times the masses to the diagonal of the matrix of `equations`.
+    /// Adds `factor` times the masses to the matrix of `equations`.
     pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
+        let Some(gather) = &self.gather else { return };
         self.add_diagonal(equations, factor, &self.mass.slot, values);
-        if let Some(gather) = &self.gather {
-            (self.rigid).add_coupling(gather, factor, self.mass.bodies(), values);
+        (self.rigid).add_coupling(gather, factor, self.mass.bodies(), values);
+        let couplings = self
+            .couplings
+            .get_or_init(|| self.couplings(equations, gather));
+        for (value, coupling) in values.iter_mut().zip(couplings) {
+            *value += factor * coupling;
         }
+    }
+
+    /// Masses that couple the nodes of elements. `[entry]`
+    fn couplings(&self, equations: &Equations, gather: &Gather) -> Vec<f64> {
+        let mut values = vec![0.0; gather.row_idx.len()];
+        let of_slot = if self.rigid.is_empty() {
+            let own = equations.of_slot.iter();
+            own.map(|e| (*e != PRESCRIBED).then_some(*e as usize))
+                .collect()
+        } else {
+            self.rigid.equations_of(self.dofs.slots)
+        };
+        self.mass.each_coupling(|row, column, mass| {
+            if let (Some(row), Some(column)) = (of_slot[row], of_slot[column]) {
+                gather.add(row, column, mass, &mut values);
+            }
+        });
+        values
+    }
+
+    /// Masses of the equations [tonne].
+    pub(crate) fn mass_of(&self, equations: &Equations) -> MassMatrix {
+        let slots = equations.slot_of.iter().map(|&slot| slot as usize);
+        let mut diagonal: Vec<f64> = slots.map(|slot| self.mass.slot[slot]).collect();
+        let mut below = Vec::new();
+        self.mass.each_coupling(|row, column, mass| {
+            let [row, column] = [row, column].map(|slot| equations.of_slot[slot]);
+            if row == column && row != PRESCRIBED {
+                diagonal[row as usize] += mass;
+            } else if row > column && row != PRESCRIBED {
+                below.push((row, column, mass));
+            }
+        });
+        MassMatrix { diagonal, below }
     }
 
     /// Adds `factor` times the given coefficients to the diagonal of the matrix of `equations`. `coefficients`:
@@ -181,12 +224,7 @@ impl System {
             return;
         }
         for (e, &slot) in equations.slot_of.iter().enumerate() {
-            let column = gather.col_ptr[e]..gather.col_ptr[e + 1];
-            // Rows of a column ascend. The diagonal entry exists because an element couples every unknown with
-            // itself.
-            if let Ok(k) = gather.row_idx[column.clone()].binary_search(&(e as u32)) {
-                values[column.start + k] += factor * coefficients[slot as usize];
-            }
+            gather.add(e, e, factor * coefficients[slot as usize], values);
         }
     }
 }

@@ -108,6 +108,8 @@ pub struct System {
     /// zero.
     pub rounding_force: f64,
     gather: Option<Gather>,
+    /// Masses that couple the nodes of elements, once a step with inertia needed them. `[entry]`
+    couplings: std::sync::OnceLock<Vec<f64>>,
     /// Symbolic analysis of the last matrix. The next step and the check of symmetry often have the same
     /// pattern.
     analysis: Option<Analysis>,
@@ -159,6 +161,7 @@ impl System {
             steered: None,
             rounding_force: crate::model::rounding::force(model),
             gather: None,
+            couplings: std::sync::OnceLock::new(),
             analysis: None,
             analysed_version: 0,
             analysed_pairs: Vec::new(),

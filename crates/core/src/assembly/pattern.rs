@@ -54,6 +54,14 @@ pub struct Gather {
 }
 
 impl Gather {
+    /// Adds to an entry of a matrix, if the pattern has it.
+    pub fn add(&self, row: usize, column: usize, value: f64, values: &mut [f64]) {
+        let range = self.col_ptr[column]..self.col_ptr[column + 1];
+        if let Ok(k) = self.row_idx[range.clone()].binary_search(&(row as u32)) {
+            values[range.start + k] += value;
+        }
+    }
+
     /// Builds the pattern of `cells`, which have eight nodes each and are structurally symmetric. For a symmetric
     /// matrix the blocks above the diagonal stay zero, because the solver does not read them.
     #[expect(

@@ -15,8 +15,8 @@ use crate::model::sizes::{Sizes, sizes};
 use laws::{energy_notes, interface_notes, material_note, scatter_note};
 use memory::memory_mb;
 use scene::{
-    beams_notes, block_notes, damping_notes, fidelity_note, floor_notes, inertia_note, pivot_note,
-    rigid_note, symmetry_note, wall_notes,
+    beams_notes, block_notes, damping_notes, fidelity_note, floor_notes, pivot_note, rigid_note,
+    symmetry_note, wall_notes,
 };
 use std::borrow::Cow;
 use std::fmt;
@@ -130,7 +130,6 @@ fn notes(deck: &Deck, model: &Model) -> Vec<String> {
         notes.extend(block_notes(deck, model));
     }
     notes.extend(pivot_note(model));
-    notes.extend(inertia_note(deck, model));
     notes.extend(damping_notes(deck));
     notes
 }

@@ -1,4 +1,4 @@
-//! The lowest pairs of K x = λ M x with symmetric K, sparse, and diagonal M > 0 (docs/theory/vibration.md, eqs 3 to 6).
+//! The lowest pairs of K x = λ M x with symmetric K and M, both sparse, M > 0 (docs/theory/vibration.md, eqs 3 to 6).
 //!
 //! K − σ M is factorised once at a shift σ < 0 below all eigenvalues. A block of vectors X is improved by rounds:
 //!
@@ -44,6 +44,63 @@ pub struct EigenPair {
     pub residual: f64,
 }
 
+/// A symmetric positive definite matrix M whose entries lie in the pattern of the solver.
+#[derive(Clone, Debug)]
+pub struct MassMatrix {
+    /// m_ii. `[equation]`
+    pub diagonal: Vec<f64>,
+    /// (row, column, part of m_ij) below the diagonal. An entry is the sum of its parts.
+    pub below: Vec<(u32, u32, f64)>,
+}
+
+impl MassMatrix {
+    /// M x.
+    fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y: Vec<f64> = x.iter().zip(&self.diagonal).map(|(x, m)| x * m).collect();
+        for &(row, column, m) in &self.below {
+            let [row, column] = [row as usize, column as usize];
+            y[row] += m * x[column];
+            y[column] += m * x[row];
+        }
+        y
+    }
+
+    /// bᵀ M⁻¹ b, by conjugate gradients: M is well conditioned.
+    pub fn inverse_product(&self, b: &[f64]) -> f64 {
+        /// Most iterations.
+        const ITERATIONS: usize = 1000;
+        /// Largest residual of the equations beside b.
+        const RESIDUAL: f64 = 1e-12;
+        let scaled = |r: &[f64]| -> Vec<f64> {
+            let all = r.iter().zip(&self.diagonal);
+            all.map(|(r, m)| r / m).collect()
+        };
+        let (mut x, mut r) = (vec![0.0; b.len()], b.to_vec());
+        let mut z = scaled(&r);
+        let mut direction = z.clone();
+        let mut size = dot(&r, &z);
+        let enough = RESIDUAL * RESIDUAL * size;
+        for _ in 0..ITERATIONS {
+            if size <= enough {
+                break;
+            }
+            let image = self.times(&direction);
+            let step = size / dot(&direction, &image);
+            for i in 0..x.len() {
+                x[i] += step * direction[i];
+                r[i] -= step * image[i];
+            }
+            z = scaled(&r);
+            let next = dot(&r, &z);
+            for (d, z) in direction.iter_mut().zip(&z) {
+                *d = z + next / size * *d;
+            }
+            size = next;
+        }
+        dot(&x, b)
+    }
+}
+
 /// The lowest pairs.
 #[derive(Clone, Debug)]
 pub struct Lowest {
@@ -81,21 +138,22 @@ pub enum EigenError {
 
 /// The `wanted` lowest pairs of K x = λ M x, or all if there are fewer.
 ///
-/// `stiffness` `[entry]`: values of K in the order of the pattern of `solver`, which must read the symmetric half;
-/// `mass` `[equation]`: the diagonal of M. The solver ends with the factors of K − σ M.
+/// `stiffness` `[entry]`: values of K in the order of the pattern of `solver`, which must read the symmetric half. The
+/// solver ends with the factors of K − σ M.
 ///
 /// # Errors
 /// [`EigenError`].
 pub fn lowest(
     solver: &mut LinearSolver,
     stiffness: &[f64],
-    mass: &[f64],
+    mass: &MassMatrix,
     wanted: usize,
 ) -> Result<Lowest, EigenError> {
-    if let Some(equation) = mass.iter().position(|m| m.is_nan() || *m <= 0.0) {
+    let nothing = |m: &f64| m.is_nan() || *m <= 0.0;
+    if let Some(equation) = mass.diagonal.iter().position(nothing) {
         return Err(EigenError::NoMass { equation });
     }
-    let n = mass.len();
+    let n = mass.diagonal.len();
     let wanted = wanted.min(n);
     if wanted == 0 {
         return Ok(Lowest {
@@ -145,18 +203,23 @@ pub fn lowest(
 fn factorise(
     solver: &mut LinearSolver,
     stiffness: &[f64],
-    mass: &[f64],
+    mass: &MassMatrix,
 ) -> Result<f64, EigenError> {
     let pattern = solver.pattern();
-    let diagonal: Vec<usize> = (0..mass.len()).filter_map(|i| pattern.find(i, i)).collect();
-    let ratios = diagonal.iter().zip(mass);
-    let largest = ratios.map(|(&k, m)| stiffness.get(k).map_or(0.0, |k| k / m));
+    let find = |(row, column, m): (usize, usize, f64)| Some((pattern.find(row, column)?, m));
+    let diagonal = mass.diagonal.iter().enumerate();
+    let diagonal: Vec<_> = diagonal.filter_map(|(i, m)| find((i, i, *m))).collect();
+    let below = mass.below.iter();
+    let below = below.filter_map(|(i, j, m)| find((*i as usize, *j as usize, *m)));
+    let entries: Vec<_> = diagonal.iter().copied().chain(below).collect();
+    let ratios = diagonal.iter();
+    let largest = ratios.map(|(k, m)| stiffness.get(*k).map_or(0.0, |k| k / m));
     let mut shift = -SHIFT * largest.fold(f64::MIN_POSITIVE, f64::max);
     let mut attempt = 1;
     loop {
         let mut values = stiffness.to_vec();
-        for (&k, m) in diagonal.iter().zip(mass) {
-            if let Some(value) = values.get_mut(k) {
+        for (k, m) in &entries {
+            if let Some(value) = values.get_mut(*k) {
                 *value -= shift * m;
             }
         }
@@ -183,20 +246,21 @@ struct Ritz {
 /// The factorised matrix and the mass.
 struct Search<'a> {
     solver: &'a mut LinearSolver,
-    mass: &'a [f64],
+    mass: &'a MassMatrix,
     n: usize,
     solves: usize,
 }
 
 impl Search<'_> {
-    /// M-orthonormal unit vectors of all equations.
+    /// An M-orthonormal basis of all vectors.
     fn all(&self) -> Vec<Vec<f64>> {
-        let unit = |(i, m): (usize, &f64)| {
+        let mut basis = Vec::new();
+        for i in 0..self.n {
             let mut x = vec![0.0; self.n];
-            x[i] = 1.0 / m.sqrt();
-            x
-        };
-        self.mass.iter().enumerate().map(unit).collect()
+            x[i] = 1.0;
+            self.add_to(&mut basis, x);
+        }
+        basis
     }
 
     /// Pseudo-random vectors, the same in every run.
@@ -219,15 +283,14 @@ impl Search<'_> {
 
     /// xᵀ M y.
     fn product(&self, x: &[f64], y: &[f64]) -> f64 {
-        let terms = x.iter().zip(y).zip(self.mass);
-        terms.map(|((x, y), m)| x * y * m).sum()
+        dot(x, &self.mass.times(y))
     }
 
     /// Adds the part of `x` that is M-orthogonal to the basis, if any is left.
     fn add_to(&self, basis: &mut Vec<Vec<f64>>, mut x: Vec<f64>) {
         let before = self.product(&x, &x).sqrt();
         for _ in 0..2 {
-            let weighted: Vec<f64> = x.iter().zip(self.mass).map(|(x, m)| x * m).collect();
+            let weighted = self.mass.times(&x);
             let parts: Vec<f64> = basis.par_iter().map(|v| dot(v, &weighted)).collect();
             // Each row sums over the basis in its order, whatever the threads.
             x.par_chunks_mut(4096).enumerate().for_each(|(chunk, x)| {
@@ -252,7 +315,7 @@ impl Search<'_> {
     fn invert(&mut self, vectors: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, LinearError> {
         let mut rhs: Vec<f64> = Vec::with_capacity(self.n * vectors.len());
         for x in vectors {
-            rhs.extend(x.iter().zip(self.mass).map(|(x, m)| x * m));
+            rhs.extend(self.mass.times(x));
         }
         self.solver.solve(&mut rhs)?;
         self.solves += vectors.len();

@@ -9,10 +9,9 @@ use std::f64::consts::TAU;
 use nalgebra::Vector6;
 use wythe_contact::JointLaw;
 
-use crate::assembly::dofs::{HELD, PRESCRIBED};
 use crate::assembly::{Equations, PointMotion, System, Trial, bulk::BulkError};
 use crate::linear::Backend;
-use crate::linear::eigen::{EigenError, EigenPair, lowest};
+use crate::linear::eigen::{EigenError, EigenPair, MassMatrix, lowest};
 use crate::material::damage_plasticity::tension_weight;
 use crate::material::{LocalFailure, MaterialHistory, MaterialParameters};
 use crate::model::Model;
@@ -69,7 +68,7 @@ pub struct Modes {
     pub modes: Vec<Mode>,
     /// Mass of the model [tonne].
     pub total_mass: f64,
-    /// Mass at free displacements in x, y, z [tonne]: all modes together have this effective mass.
+    /// Mass in x, y, z that moves against the supports [tonne]: all modes together have this effective mass.
     pub moving_mass: [f64; 3],
     /// Number of modes without frequency: bodies that nothing holds.
     pub free: usize,
@@ -194,18 +193,18 @@ impl<'a> Vibration<'a> {
             unstable: modes.iter().filter(|m| m.eigenvalue < -zero).count(),
             modes,
             total_mass: self.system.mass.total(),
-            moving_mass: self.moving_mass(),
+            moving_mass: self.moving_mass(&mass),
             closed_area,
         })
     }
 
-    /// Mass of each equation [tonne].
-    fn mass(&self) -> Result<Vec<f64>, VibrationError> {
+    /// Masses of the equations [tonne].
+    fn mass(&self) -> Result<MassMatrix, VibrationError> {
         let dofs = &self.system.dofs;
         let slots = self.equations.slot_of.iter().map(|&slot| slot as usize);
-        let mass: Vec<f64> = slots.map(|slot| self.system.mass.slot[slot]).collect();
-        let Some(light) = mass.iter().position(|m| *m <= 0.0) else {
-            return Ok(mass);
+        let lumped: Vec<f64> = slots.map(|slot| self.system.mass.slot[slot]).collect();
+        let Some(light) = lumped.iter().position(|m| *m <= 0.0) else {
+            return Ok(self.system.mass_of(&self.equations));
         };
         let slot = self.equations.slot_of[light] as usize;
         let mesh = &self.model.mesh;
@@ -296,16 +295,17 @@ impl<'a> Vibration<'a> {
         }
     }
 
-    /// Mass at free displacements in x, y, z [tonne].
-    fn moving_mass(&self) -> [f64; 3] {
-        let mut moving = [0.0; 3];
-        for (slots, m) in self.system.dofs.slot.iter().zip(&self.system.mass.node) {
-            for (i, &slot) in slots.iter().enumerate() {
-                let free = slot != HELD && self.equations.of_slot[slot as usize] != PRESCRIBED;
-                moving[i] += if free { *m } else { 0.0 };
-            }
-        }
-        moving
+    /// Mass in x, y, z that moves against the supports [tonne].
+    fn moving_mass(&self, mass: &MassMatrix) -> [f64; 3] {
+        let mut forces = vec![0.0; self.system.dofs.slots];
+        [0, 1, 2].map(|axis| {
+            let mut way = [0.0; 3];
+            way[axis] = 1.0;
+            self.system.mass.forces(way, &mut forces);
+            let slots = self.equations.slot_of.iter();
+            let own: Vec<f64> = slots.map(|slot| forces[*slot as usize]).collect();
+            mass.inverse_product(&own)
+        })
     }
 }
 

@@ -280,7 +280,7 @@ impl RigidBodies {
         for (own, new) in &reduction.slots {
             if let Some(e) = equation(&reduction.equations, *new) {
                 let value = factor * coefficients[*own as usize];
-                add_entry(gather, e, e, value, values);
+                gather.add(e, e, value, values);
             }
         }
         for (body, of) in self.bodies.iter().zip(&reduction.of_body) {
@@ -296,6 +296,17 @@ impl RigidBodies {
             }
             add_body(gather, of, &(factor * sum), values);
         }
+    }
+
+    /// Equations of the matrix of the slots that belong to no body. `[slot]`
+    pub(in crate::assembly) fn equations_of(&self, slots: usize) -> Vec<Option<usize>> {
+        let mut of = vec![None; slots];
+        if let Some(reduction) = &self.reduction {
+            for (own, new) in &reduction.slots {
+                of[*own as usize] = equation(&reduction.equations, *new);
+            }
+        }
+        of
     }
 
     /// Adds `factor` times the masses that couple the nodes of each body, Jᵀ M J.
@@ -345,17 +356,9 @@ fn add_body(
     for (i, row) in of.iter().enumerate() {
         for (j, column) in of.iter().enumerate() {
             if let (Some(row), Some(column)) = (row, column) {
-                add_entry(gather, *row, *column, block[(i, j)], values);
+                gather.add(*row, *column, block[(i, j)], values);
             }
         }
-    }
-}
-
-/// Adds to an entry of the matrix, if its pattern has it.
-fn add_entry(gather: &Gather, row: usize, column: usize, value: f64, values: &mut [f64]) {
-    let range = gather.col_ptr[column]..gather.col_ptr[column + 1];
-    if let Ok(k) = gather.row_idx[range.clone()].binary_search(&(row as u32)) {
-        values[range.start + k] += value;
     }
 }
 

@@ -1,16 +1,14 @@
 //! Notes on the parts of a scene: walls, rigid bodies, beams, planes of symmetry, blocks, damping.
 
-use rustc_hash::FxHashSet;
-
 use crate::deck::masonry::{self, Masonry};
 use crate::deck::quantity::{Frequency, GRAVITY};
 use crate::deck::rigid;
-use crate::deck::schema::{Deck, DeckBeam, StepKind, Subdivision, Turning};
+use crate::deck::schema::{Deck, DeckBeam, Subdivision, Turning};
 use crate::deck::symmetry::{self, Plane};
 use crate::model::Model;
 use crate::model::floors::Floor;
 use crate::model::mirrored::{self, MirrorPlane};
-use crate::model::scene::{ContactPoints, Fidelity, Procedure, Rayleigh, Step, Support};
+use crate::model::scene::{ContactPoints, Fidelity, Rayleigh};
 use crate::model::sizes::sizes;
 use crate::model::ties::Tie;
 
@@ -244,43 +242,6 @@ pub(super) fn floor_notes(model: &Model) -> Vec<String> {
         )
     };
     model.floors.iter().map(note).collect()
-}
-
-/// Note on blocks of one element in dynamic and free steps, whose lumped mass turns three times as heavily as that of the solid
-/// (theory/inertia.md, eq. 7).
-pub(super) fn inertia_note(deck: &Deck, model: &Model) -> Option<String> {
-    let is_dynamic = |step: &Step| matches!(step.procedure, Procedure::Dynamic { .. });
-    let moves_freely = deck.steps.iter().any(|step| step.kind == StepKind::Free);
-    if !moves_freely && !model.steps.iter().any(is_dynamic) {
-        return None;
-    }
-    let mesh = &model.mesh;
-    let mut elements = vec![0_usize; mesh.names.len()];
-    let mut moves = vec![false; mesh.names.len()];
-    let held = |support: &Support| support.fixed == [true; 3];
-    let held = model.supports.iter().filter(|support| held(support));
-    let held: FxHashSet<u32> = held
-        .flat_map(|support| support.nodes.iter().copied())
-        .collect();
-    for (e, unit) in mesh.unit.iter().enumerate() {
-        let (Some(count), Some(moves)) = (
-            elements.get_mut(*unit as usize),
-            moves.get_mut(*unit as usize),
-        ) else {
-            continue;
-        };
-        *count += 1;
-        let rigid = model.materials[usize::from(mesh.material[e])].rigid;
-        *moves = !rigid && !mesh.elements[e].iter().all(|n| held.contains(n));
-    }
-    let single = (0..elements.len()).filter(|unit| elements[*unit] == 1 && moves[*unit]);
-    let single: Vec<usize> = single.collect();
-    let first = mesh.called(*single.first()? as u32);
-    Some(format!(
-        "inertia: {} bodies have one element ({first}): where one turns by itself, it has three times the moments of \
-         inertia of the solid; give it a finer mesh, or rigid = true",
-        single.len()
-    ))
 }
 
 /// Note on the pivots of rocking blocks. Gauss points, and so all pivots, lie (1 − 1/√3)/2 = 0.211 of a facet

@@ -1,6 +1,6 @@
 //! Time integration by HHT-α and backward Euler, with their energies (docs/theory/inertia.md, eqs 1 to 6).
 //!
-//! With lumped masses M, damping C, internal forces p and loads F (Hilber, Hughes, Taylor 1977, eqs 1 to 3, α in
+//! With masses M, damping C, internal forces p and loads F (Hilber, Hughes, Taylor 1977, eqs 1 to 3, α in
 //! [−1/3, 0], β = (1−α)²/4, γ = 1/2 − α):
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The first equation is divided by 1+α. The residual is then one of forces, as in statics, and the stiffness of the
-//! cells is unchanged: M/((1+α) β Δt²) is added to the diagonal. Backward Euler is v₁ = Δu/Δt, a₁ = Δv/Δt.
+//! cells is unchanged: M/((1+α) β Δt²) is added to it. Backward Euler is v₁ = Δu/Δt, a₁ = Δv/Δt.
 //!
 //! The first increment of a step always uses backward Euler, which needs neither a₀ nor p₀. When a step starts, loads
 //! and velocities jump, and the friction that answers them is not yet in p₀. Half an increment without this friction
@@ -21,7 +21,7 @@
 //!
 //! ```text
 //! work of loads = work of p + work of C v + Δ(½ vᵀ M v) + D
-//! D = Σ m [a₁ Δu − ½(v₀+v₁) Δv] − (½+α)(g₁−g₀) Δu
+//! D = Δuᵀ M a₁ − ½(v₀+v₁)ᵀ M Δv − (½+α)(g₁−g₀)ᵀ Δu
 //! ```
 //!
 //! D arises at the masses, from the scheme alone. Its first part is the work of the inertia forces beyond the change
@@ -300,7 +300,8 @@ impl Motion {
 
     /// External force on a slot, beside the `load` of the model, at the internal force p = `force` [N].
     pub fn reaction(&self, mass: &Mass, slot: usize, force: f64, load: f64) -> f64 {
-        force + self.damping_force[slot] + mass.slot[slot] * self.acceleration[slot] - load
+        let inertia = mass.slot[slot] * self.acceleration[slot] + self.coupled[slot];
+        force + self.damping_force[slot] + inertia - load
     }
 
     /// Copies velocities, accelerations and damping to the state.
@@ -327,9 +328,13 @@ impl Motion {
     ) -> [f64; 2] {
         let weight = 0.5 + self.scheme.alpha();
         let (mut numerical, mut damping) = (0.0, 0.0);
+        let mut coupled_start = vec![0.0; dq.len()];
+        mass.add_coupling(1.0, &state.acceleration, &mut coupled_start);
         for (s, &du) in dq.iter().enumerate() {
             damping += 0.5 * (state.damping[s] + self.damping_force[s]) * du;
             if self.prescribed[s].is_some() {
+                // Work of a drive follows the trapezoidal rule, also against the inertia of the nodes beside it.
+                numerical -= 0.5 * (self.coupled[s] - coupled_start[s]) * du;
                 continue;
             }
             let net = loads[s] - trial.force[s] - self.damping_force[s];

@@ -151,9 +151,12 @@ impl Run<'_> {
             }
             resultants.push(resultant);
         }
+        let moves = state.acceleration.iter().any(|a| *a != 0.0);
+        let inertia = moves.then(|| self.system.mass.held_forces(&state.acceleration));
         let held = |n: usize, i: usize| {
             let body = self.system.mass.node[n] * (gravity[i] - ground[i]);
-            let own = self.trial.node_force[n][i] - body;
+            let inertia = inertia.as_ref().map_or(0.0, |forces| forces[n][i]);
+            let own = self.trial.node_force[n][i] + inertia - body;
             loaded.get(n).map_or(own, |loaded| own - loaded[i])
         };
         let beams =
