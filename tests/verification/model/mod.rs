@@ -2,6 +2,7 @@
 
 mod builder;
 mod floors;
+mod layers;
 mod mirrors;
 mod random_halves;
 mod stands_by_symmetry;

@@ -177,6 +177,7 @@ pub(super) fn require_few(deck: &Deck) -> Result<(), ModelError> {
         ("settlements", deck.settlements.len(), MOST_ENTRIES),
         ("ties", deck.ties.len(), MOST_ENTRIES),
         ("floors", deck.floors.len(), MOST_ENTRIES),
+        ("layers", deck.layers.len(), MOST_ENTRIES),
         ("probes", deck.probes.len(), MOST_ENTRIES),
         ("sections", deck.sections.len(), MOST_ENTRIES),
         ("imports", deck.imports.len(), MOST_ENTRIES),

@@ -183,6 +183,7 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
         interface: None,
         copies: None,
         pitch: None,
+        lattice: None,
     });
     plain.contacts.push(DeckContact {
         slave: Some(beam.on.clone()),

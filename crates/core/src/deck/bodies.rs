@@ -2,14 +2,14 @@
 
 use super::amount;
 use super::arch::{Stones, stones};
-use super::body::Body;
+use super::body::{Body, Grid};
 use super::imported::Imported;
 use super::masonry::{self, Masonry};
 use super::mirrors::Mirror;
 use super::name_registry::{NameRegistry, Place};
 use super::quantity::Quantity;
 use super::rigid;
-use super::schema::{Deck, DeckBlock, Material, Names};
+use super::schema::{Deck, DeckBlock, Lattice, Material, Names};
 use super::stones::FileStones;
 use crate::element::hexahedron::{Corners, area_vector, norm};
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
@@ -229,6 +229,10 @@ impl<'a> Bodies<'a> {
     /// Adds a block and its copies.
     fn lay(&mut self, index: usize, block: &DeckBlock) -> Result<(), ModelError> {
         let material = self.solid(&block.material, block.rigid);
+        if let Some(lattice) = &block.lattice {
+            self.lay_lattice(&block.name, lattice, material);
+            return Ok(());
+        }
         let own = match self.deck.block_nodes(index)? {
             Some(nodes) => Shape::Grid(nodes),
             None => Shape::Hexahedron(corners(block)),
@@ -270,6 +274,41 @@ impl<'a> Bodies<'a> {
         let velocity = block.velocity.map(Quantity::get);
         self.velocity.resize(self.mesh.nodes.len(), velocity);
         self.warnings.extend(stones.warnings);
+    }
+
+    /// Adds the body of a layer.
+    fn lay_lattice(&mut self, name: &str, lattice: &Lattice, material: u16) {
+        let Lattice {
+            lines,
+            solid,
+            bonded,
+            touching,
+        } = lattice;
+        let cells = lines.each_ref().map(|at| at.len() - 1);
+        let of_cell = |[i, j, k]: [usize; 3]| {
+            let cell = (k * cells[1] + j) * cells[0] + i;
+            solid[cell].then_some(material)
+        };
+        let node = |at: [usize; 3]| [0, 1, 2].map(|d| lines[d][at[d]]);
+        let grid = Grid {
+            cells,
+            material: &of_cell,
+            node: &node,
+        };
+        let first = self.mesh.elements.len();
+        let mut body = Body::new(&mut self.mesh, name.to_owned(), &grid);
+        let bonds =
+            (solid.iter().zip(bonded)).filter_map(|(solid, bonded)| solid.then_some(*bonded));
+        let bonds: Vec<bool> = bonds.collect();
+        let face = &mut body.faces[*touching];
+        let touches = face.facets.iter().map(|(e, _)| bonds[e - first]);
+        let touches: Vec<bool> = touches.collect();
+        let mut of_outlines = touches.iter();
+        face.outlines.retain(|_| of_outlines.next() == Some(&true));
+        let mut of_facets = touches.iter();
+        face.facets.retain(|_| of_facets.next() == Some(&true));
+        self.all.push(body);
+        self.velocity.resize(self.mesh.nodes.len(), [0.0; 3]);
     }
 
     /// Adds the bodies of an import. Materials keep the names of their file. If another import has a different

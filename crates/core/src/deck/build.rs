@@ -7,6 +7,7 @@ use super::findings;
 use super::floors;
 use super::general;
 use super::held::{Holding, require_held, require_held_each_way};
+use super::layers;
 use super::loading::{Loading, loading};
 use super::loads;
 use super::masonry;
@@ -37,6 +38,7 @@ impl Model {
             return Err(nothing_to_load(deck));
         }
         let deck = &*beams::written_out(deck)?;
+        let deck = &*layers::written_out(deck)?;
         let mut errors = Errors::default();
         errors.keep(require_steps(deck));
         let mut bodies = Bodies::new(deck)?;

@@ -231,6 +231,9 @@ beam = "beam"  # of [[beams]]
 depth = "200 mm"
 rotation = "free"  # or "level"
 beams.on => on = "wall.top"  # level faces
+[[layers]]
+layers.on => on = "wall.front"  # faces of one plane
+layers.thickness => thickness = "10 mm"
 [[symmetry]]
 normal = "x"  # or "y", "z"
 symmetry.at => at = "480 mm"  # along the normal
@@ -278,7 +281,7 @@ pub fn examples() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Sections that may occur several times, each with a header of its own.
-pub(super) const LISTS: [&str; 14] = [
+pub(super) const LISTS: [&str; 15] = [
     "walls",
     "blocks",
     "imports",
@@ -289,6 +292,7 @@ pub(super) const LISTS: [&str; 14] = [
     "ties",
     "floors",
     "beams",
+    "layers",
     "symmetry",
     "probes",
     "sections",

@@ -19,6 +19,7 @@ mod imported;
 mod joint;
 pub mod json_schema;
 pub mod keys;
+mod layers;
 mod loading;
 mod loads;
 mod magnitudes;

@@ -105,7 +105,8 @@ impl NameRegistry {
             }
         }
         let beams = deck.beams.iter().map(|beam| ("beams", &beam.name));
-        for (i, (table, name)) in beams.enumerate() {
+        let layers = deck.layers.iter().map(|layer| ("layers", &layer.name));
+        for (i, (table, name)) in beams.enumerate().chain(layers.enumerate()) {
             if !roll.add(name.clone()) {
                 twice.push(two_blocks(&format!("{table}.{i}.name"), name));
             }

@@ -1,6 +1,6 @@
 //! `[[blocks]]`, `[[contacts]]`, `[[supports]]`, `[[springs]]`: scenes of single blocks.
 
-use super::Direction;
+use super::{Direction, Lattice};
 use crate::deck::quantity::{Angle, Length, SpringStiffness, Velocity};
 use crate::model::axis::Axis;
 use crate::model::scene::turned;
@@ -58,6 +58,9 @@ pub struct DeckBlock {
     pub copies: Option<[u32; 3]>,
     /// Distances between copies [mm].
     pub pitch: Option<[Length; 3]>,
+    /// Cells of a layer, instead of a box.
+    #[serde(skip)]
+    pub lattice: Option<Lattice>,
 }
 
 /// Treatment of shells that are not convex.

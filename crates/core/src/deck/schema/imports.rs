@@ -56,7 +56,8 @@ impl Deck {
         let laid = self.beams.iter().map(|b| &b.on);
         let carried = self.floors.iter().map(|f| &f.on);
         let all = all.chain(taken_off).chain(cut).chain(moved);
-        let all = all.chain(laid).chain(carried);
+        let covered = self.layers.iter().map(|layer| &layer.on);
+        let all = all.chain(laid).chain(carried).chain(covered);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))
     }
 }

@@ -15,6 +15,7 @@ mod imports;
 mod inputs;
 mod interfaces;
 mod joint_kinds;
+mod layers;
 mod loads;
 mod materials;
 mod output;
@@ -45,6 +46,7 @@ pub use heading::Heading;
 pub use imports::DeckImport;
 pub use interfaces::{Interface, Scatter};
 pub use joint_kinds::JointKind;
+pub use layers::{DeckLayer, Lattice};
 pub use loads::{DeckAmplitude, DeckCycles, DeckLoad};
 pub use materials::{Material, Row};
 pub use probes::{DeckPlace, DeckProbe};
@@ -144,6 +146,9 @@ pub struct Deck {
     /// Loading beams.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beams: Vec<DeckBeam>,
+    /// Layers on faces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<DeckLayer>,
     /// Planes of symmetry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub symmetry: Vec<DeckSymmetry>,
@@ -522,6 +527,7 @@ impl Deck {
             ties,
             floors,
             beams,
+            layers,
             symmetry,
             probes,
             sections,
@@ -540,7 +546,7 @@ impl Deck {
             (materials, interfaces, element, contact, contacts),
             (wall, walls, blocks, imports, arch),
             (supports, springs, settlements),
-            (ties, floors, beams, symmetry),
+            (ties, floors, beams, layers, symmetry),
             (probes, sections, steps, output, test),
         )
     }

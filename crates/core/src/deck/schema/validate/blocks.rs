@@ -27,6 +27,7 @@ impl Checks<'_> {
             ("settlements", !deck.settlements.is_empty()),
             ("ties", !deck.ties.is_empty()),
             ("floors", !deck.floors.is_empty()),
+            ("layers", !deck.layers.is_empty()),
         ] {
             self.demand(
                 deck.has_scene() || !given || !self.scene_is_known(),
@@ -37,6 +38,7 @@ impl Checks<'_> {
         }
         self.symmetry();
         self.beams();
+        self.layers();
         for (i, block) in deck.blocks.iter().enumerate() {
             self.block(&format!("blocks.{i}"), block);
         }
@@ -68,6 +70,24 @@ impl Checks<'_> {
         }
     }
 
+    fn layers(&mut self) {
+        let deck = self.deck;
+        for (i, layer) in deck.layers.iter().enumerate() {
+            let path = format!("layers.{i}");
+            self.demand(
+                !layer.name.is_empty() && !layer.name.contains('.'),
+                &format!("{path}.name"),
+                || format!("`{}` is no name for a layer", layer.name),
+                "letters, digits, - and _; a dot parts the layer from its face",
+            );
+            self.not_empty(&format!("{path}.on"), Some(&layer.on));
+            self.positive(&format!("{path}.thickness"), layer.thickness);
+            self.not_negative(&format!("{path}.unbonded"), layer.unbonded);
+            self.known_material(&format!("{path}.material"), &layer.material);
+            self.known_interface(&format!("{path}.interface"), &layer.interface);
+        }
+    }
+
     fn contacts(&mut self) {
         let deck = self.deck;
         for (i, contact) in deck.contacts.iter().enumerate() {
@@ -91,7 +111,9 @@ impl Checks<'_> {
         if rigid::any(deck) {
             let of_contacts = deck.contacts.iter().map(|c| &c.interface);
             let of_beams = deck.beams.iter().map(|beam| &beam.interface);
-            for name in of_contacts.chain(of_beams).chain(&deck.contact.general) {
+            let of_layers = deck.layers.iter().map(|layer| &layer.interface);
+            let named = of_contacts.chain(of_beams).chain(of_layers);
+            for name in named.chain(&deck.contact.general) {
                 self.stiffness_of_joints(name);
             }
         }

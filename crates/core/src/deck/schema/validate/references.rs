@@ -62,6 +62,9 @@ impl Checks<'_> {
         for (i, beam) in deck.beams.iter().enumerate() {
             self.places(&roll, &format!("beams.{i}.on"), Some(&beam.on), true);
         }
+        for (i, layer) in deck.layers.iter().enumerate() {
+            self.places(&roll, &format!("layers.{i}.on"), Some(&layer.on), true);
+        }
         for (i, probe) in deck.probes.iter().enumerate() {
             let path = format!("probes.{i}");
             self.places(&roll, &format!("{path}.on"), probe.on.as_ref(), false);
