@@ -214,6 +214,14 @@ fn wrong_layers_are_rejected() {
     refuses(&turned, bad);
 }
 
+/// A rigid layer would hold all units that it covers together.
+#[test]
+fn limit_analysis_refuses_layers() {
+    let (model, _) = Model::from_deck(&Deck::from_str(COUPLET, "couplet.toml").unwrap()).unwrap();
+    let refused = wythe::limit::analyse(&model, &Default::default()).unwrap_err();
+    assert!(refused.to_string().contains("the layer front"), "{refused}");
+}
+
 /// The wallette of example 99 carries more than that of example 83, which is the same without render.
 #[test]
 fn render_strengthens_a_wallette_in_shear() {

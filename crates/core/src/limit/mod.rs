@@ -55,6 +55,9 @@ pub enum LimitError {
         "the deck models a part of a scene by [[symmetry]], and a mechanism need not be symmetric"
     )]
     Symmetry,
+    /// A layer.
+    #[error("the layer {0} is no rigid unit: it cracks over the joints that it covers")]
+    Layer(String),
     /// No weight for a body force.
     #[error("the bodies have no weight before the live step, and the live load is a part of it")]
     Weightless,
@@ -82,6 +85,9 @@ impl LimitError {
                 "add a step of the kind drive, load or tilt, or give the direction of a body force (--along x)"
             }
             Self::Symmetry => "model the whole scene for a limit analysis",
+            Self::Layer(_) => {
+                "leave [[layers]] out for a limit analysis, or take strategy = \"simplified\""
+            }
             Self::Weightless => "give the materials a density, and a step of gravity before",
             Self::Falls(_) | Self::FallsAt(_) => {
                 "look at supports and contacts there; with bond: --bonded; a sloping dry joint needs friction"
@@ -105,6 +111,9 @@ const SETTLED: f64 = 1e-4;
 /// # Errors
 /// [`LimitError`].
 pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis, LimitError> {
+    if let Some(layer) = model.layers.first() {
+        return Err(LimitError::Layer(layer.clone()));
+    }
     let (step, live) = match (live_step(model), settings.along) {
         // In place of the live step, if the deck has one.
         (Some((step, _)), Some(_)) => (step, Live::BodyForce),

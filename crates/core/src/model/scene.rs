@@ -44,6 +44,8 @@ pub struct Model {
     pub ties: Vec<Tie>,
     /// Floors: masses beside those of the solids.
     pub floors: Vec<Floor>,
+    /// Names of the bodies that are layers on others.
+    pub layers: Vec<String>,
     /// Probes, with a column of the history each.
     pub probes: Vec<Probe>,
     /// Sections, with six columns of the history each.
@@ -77,6 +79,7 @@ impl Model {
             springs: Vec::new(),
             ties: Vec::new(),
             floors: Vec::new(),
+            layers: Vec::new(),
             probes: Vec::new(),
             sections: Vec::new(),
             loads: Vec::new(),

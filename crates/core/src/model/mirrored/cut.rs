@@ -84,6 +84,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         springs: springs.collect::<Option<_>>()?,
         ties: Vec::new(),
         floors: Vec::new(),
+        layers: model.layers.clone(),
         probes: probes.collect::<Option<_>>()?,
         sections: sections.collect::<Option<_>>()?,
         loads: loads.collect::<Option<_>>()?,
