@@ -246,7 +246,7 @@ fn a_rocking_block_falls_back_in_a_quarter_of_housners_period() {
             100.0 * (time / quarter - 1.0),
             imbalance(&recording)
         );
-        // The linearised reference errs by 0.03 to 0.27 %; lumped masses have 0.25 % more rotational inertia.
+        // The linearised reference errs by 0.03 to 0.27 %.
         assert!((time / quarter - 1.0).abs() < 1e-2, "{time} {quarter}");
         assert!(imbalance(&recording) < 1e-2);
     }

@@ -255,8 +255,7 @@ fn a_block_rocks_in_housners_time() {
     let rows = rows("86_rocking_block", &[]);
     let height = 200.0 * 5.65496_f64.to_radians().sin();
     let impact = rows.iter().find(|r| r.probes[0] > height - 0.01).unwrap();
-    // The linearised solution is 0.03 to 0.27 % too short; lumped masses 0.25 % slower; increments of half a
-    // millisecond.
+    // The linearised solution is 0.03 to 0.27 % too short; increments of half a millisecond.
     near(impact.time, 1.38679 / 4.0, 1e-2);
     // The block leaves more slowly than it arrived.
     let before = impact.probes[1].abs();
