@@ -174,6 +174,13 @@ fn wrong_layers_are_rejected() {
         ),
         (
             "interface = \"glue\"",
+            "interface = \"glue\"\nunbonded = 60.1",
+            "layers.1.unbonded",
+            "0.6 of the smallest edge",
+            "at most 60.0 mm",
+        ),
+        (
+            "interface = \"glue\"",
             "interface = \"glu\"",
             "layers.1.interface",
             "no interface",

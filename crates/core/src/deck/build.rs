@@ -62,7 +62,6 @@ impl Model {
         let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
         let laid_floors = errors.keep(floors::floors(deck, &bodies, &mut parts.loading.steps));
         let (floors, springs_of_floors) = laid_floors.unwrap_or_default();
-        let layers = deck.blocks.iter().filter(|block| block.lattice.is_some());
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
@@ -81,7 +80,7 @@ impl Model {
                 .chain(springs_of_floors)
                 .collect(),
             floors,
-            layers: layers.map(|block| block.name.clone()).collect(),
+            layers: layers::names(deck),
             probes: parts.probes,
             sections: parts.sections,
             steps: parts.loading.steps,

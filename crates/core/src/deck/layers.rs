@@ -62,6 +62,12 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     Ok(Cow::Owned(plain))
 }
 
+/// Names of the bodies of layers.
+pub(super) fn names(deck: &Deck) -> Vec<String> {
+    let layers = deck.blocks.iter().filter(|block| block.lattice.is_some());
+    layers.map(|block| block.name.clone()).collect()
+}
+
 /// The block of a layer.
 fn block(layer: &DeckLayer, lattice: Lattice) -> DeckBlock {
     let ends = lattice.lines.each_ref().map(|at| [at[0], at[at.len() - 1]]);
@@ -134,7 +140,7 @@ fn lattice(
     }
     let touching = 2 * axis + usize::from(out < 0.0);
     let cover = Cover { units, axis, out };
-    let half = half_unbonded(bodies, layer, &cover)?;
+    let half = half_unbonded(bodies, &format!("layers.{i}"), layer, &cover)?;
     let thickness = layer.thickness.get();
     let lattice = cover.lattice(low, thickness, half, touching);
     Ok((lattice, Face::ALL[touching].0))
@@ -143,21 +149,36 @@ fn lattice(
 /// Half of the unbonded length at a joint [mm], at most a part of the smallest unit. By default it is the length √(E t
 /// (1/k_s + t/2G)) over which a membrane of thickness t takes over its force from the units, through half of its own
 /// thickness and the bond's k_s.
-fn half_unbonded(bodies: &Bodies<'_>, layer: &DeckLayer, cover: &Cover) -> Result<f64, ModelError> {
+///
+/// # Errors
+/// A given length that is longer; unknown material.
+fn half_unbonded(
+    bodies: &Bodies<'_>,
+    path: &str,
+    layer: &DeckLayer,
+    cover: &Cover,
+) -> Result<f64, ModelError> {
     let smallest = cover.extents().flatten();
     let smallest = smallest.map(|[low, high]| high - low);
     let most = MOST_UNBONDED * smallest.fold(f64::INFINITY, f64::min);
-    let half = match layer.unbonded {
-        Some(length) => 0.5 * length.get(),
-        None => {
-            let law = bodies.parameters(&layer.material)?;
-            let (solid, t) = (law.elastic(), layer.thickness.get());
-            let bond = bodies.deck.interfaces.get(&layer.interface);
-            let k_s = bond.and_then(|bond| bond.shear_stiffness);
-            let soft = k_s.map_or(0.0, |k_s| solid.E * t / k_s.get());
-            (soft + t * t * (1.0 + solid.nu)).sqrt()
+    if let Some(length) = layer.unbonded {
+        let half = 0.5 * length.get();
+        if half <= most {
+            return Ok(half);
         }
-    };
+        let error = bodies.deck.error(
+            &format!("{path}.unbonded"),
+            "this is more than 0.6 of the smallest edge of a unit below the layer",
+            &format!("at most {:.1} mm, or no value for the default", 2.0 * most),
+        );
+        return Err(error.of_kind(ErrorKind::Geometry));
+    }
+    let law = bodies.parameters(&layer.material)?;
+    let (solid, t) = (law.elastic(), layer.thickness.get());
+    let bond = bodies.deck.interfaces.get(&layer.interface);
+    let k_s = bond.and_then(|bond| bond.shear_stiffness);
+    let soft = k_s.map_or(0.0, |k_s| solid.E * t / k_s.get());
+    let half = (soft + t * t * (1.0 + solid.nu)).sqrt();
     Ok(half.min(most))
 }
 
