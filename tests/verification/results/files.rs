@@ -60,6 +60,7 @@ fn model() -> Model {
         springs: Vec::new(),
         ties: Vec::new(),
         floors: Vec::new(),
+        layers: Vec::new(),
         sections: Vec::new(),
         probes: vec![Probe {
             column: "gap_mm".to_owned(),
