@@ -4,6 +4,7 @@ use crate::common::blocks::{Bad, refuses};
 use crate::common::examples;
 use crate::common::scene::{completed, imbalance};
 use wythe::deck::Deck;
+use wythe::limit::{LimitSettings, analyse};
 use wythe::model::Model;
 
 /// Two cubes of 100 mm with a dry joint and a render of 10 mm in front and behind, pulled apart.
@@ -225,7 +226,7 @@ fn wrong_layers_are_rejected() {
 #[test]
 fn limit_analysis_refuses_layers() {
     let (model, _) = Model::from_deck(&Deck::from_str(COUPLET, "couplet.toml").unwrap()).unwrap();
-    let refused = wythe::limit::analyse(&model, &Default::default()).unwrap_err();
+    let refused = analyse(&model, &LimitSettings::default()).unwrap_err();
     assert!(refused.to_string().contains("the layer front"), "{refused}");
 }
 
