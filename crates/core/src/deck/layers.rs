@@ -147,8 +147,8 @@ fn lattice(
 }
 
 /// Half of the unbonded length at a joint [mm], at most a part of the smallest unit. By default it is the length √(E t
-/// (1/k_s + t/2G)) over which a membrane of thickness t takes over its force from the units, through half of its own
-/// thickness and the bond's k_s.
+/// (1/k_s + t/3G)) over which a membrane of thickness t takes over its force from the units, through the bond's k_s and
+/// its own shear, which decreases linearly over its thickness (docs/decisions/layers-over-joints.md).
 ///
 /// # Errors
 /// A given length that is longer; unknown material.
@@ -178,7 +178,7 @@ fn half_unbonded(
     let bond = bodies.deck.interfaces.get(&layer.interface);
     let k_s = bond.and_then(|bond| bond.shear_stiffness);
     let soft = k_s.map_or(0.0, |k_s| solid.E * t / k_s.get());
-    let half = (soft + t * t * (1.0 + solid.nu)).sqrt();
+    let half = (soft + t * t * (1.0 + solid.nu) * (2.0 / 3.0)).sqrt();
     Ok(half.min(most))
 }
 
