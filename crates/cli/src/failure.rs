@@ -164,6 +164,10 @@ impl From<RunError> for Failure {
                 help = "check the law by `wythe_contact::checks`",
                 "{error}"
             )),
+            RunError::LimitOnly => Self::Model(miette::miette!(
+                help = "call `wythe limit`, or take another strategy",
+                "{error}"
+            )),
             RunError::NoMass { .. } => Self::Model(miette::miette!(
                 help = "write it like this: density = \"1900 kg/m^3\"",
                 "{error}"

@@ -200,6 +200,7 @@ pub fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     let fix = match &error {
         RunError::Bulk(_) => "see the sizes in wall, its mesh, and the tables of the material",
         RunError::Checkpoint(_) => "begin anew with Model.run",
+        RunError::LimitOnly => "call Model.limit()",
         RunError::JointLaw { .. } => {
             "check the law alone, with the openings and slips of the message"
         }

@@ -371,3 +371,25 @@ fn loose_faces_are_joined_once() {
     assert_eq!((a.joints.len(), b.joints.len()), (1, 1));
     near(b.factor, a.factor, EXACT);
 }
+
+/// Its steps would be run as those of the detailed model.
+#[test]
+fn a_deck_for_limit_analysis_is_not_run() {
+    use crate::common::scene::Recording;
+    use wythe::solve::{RunError, run};
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/08_block_couplet.toml"
+    );
+    for (strategy, refused) in [("limit", true), ("detailed", false)] {
+        let set = [format!("strategy=\"{strategy}\"")];
+        let deck = Deck::load(path, &set).unwrap();
+        let (model, _) = Model::from_deck(&deck).unwrap();
+        let ran = run(&model, &mut Recording::default());
+        assert_eq!(
+            matches!(ran, Err(RunError::LimitOnly)),
+            refused,
+            "{strategy}"
+        );
+    }
+}

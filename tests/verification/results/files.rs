@@ -60,6 +60,7 @@ fn model() -> Model {
         springs: Vec::new(),
         ties: Vec::new(),
         floors: Vec::new(),
+        limit_only: false,
         layers: Vec::new(),
         sections: Vec::new(),
         probes: vec![Probe {

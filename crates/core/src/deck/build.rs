@@ -17,7 +17,7 @@ use super::probes;
 use super::quantity::Quantity;
 use super::rigid;
 use super::scatter;
-use super::schema::{Deck, DeckProcedure, DeckStep, StepKind};
+use super::schema::{Deck, DeckProcedure, DeckStep, StepKind, Strategy};
 use super::sections;
 use super::symmetry;
 use super::ties;
@@ -60,8 +60,10 @@ impl Model {
         let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
         let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
+        let mut ties = ties.unwrap_or_default();
         let laid_floors = errors.keep(floors::floors(deck, &bodies, &mut parts.loading.steps));
         let (floors, springs_of_floors) = laid_floors.unwrap_or_default();
+        ties.extend(springs_of_floors);
         let bond = findings::bond(deck, &bodies.walls);
         let mut model = Self {
             title: deck.title.clone(),
@@ -74,12 +76,9 @@ impl Model {
             supports: parts.supports,
             initial_velocity: bodies.velocity,
             springs: parts.springs,
-            ties: ties
-                .unwrap_or_default()
-                .into_iter()
-                .chain(springs_of_floors)
-                .collect(),
+            ties,
             floors,
+            limit_only: deck.strategy == Strategy::Limit,
             layers: layers::names(deck),
             probes: parts.probes,
             sections: parts.sections,

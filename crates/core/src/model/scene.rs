@@ -44,6 +44,8 @@ pub struct Model {
     pub ties: Vec<Tie>,
     /// Floors: masses beside those of the solids.
     pub floors: Vec<Floor>,
+    /// Whether the deck asks for a limit analysis, so that no steps are to be run.
+    pub limit_only: bool,
     /// Names of the bodies that are layers on others.
     pub layers: Vec<String>,
     /// Probes, with a column of the history each.
@@ -79,6 +81,7 @@ impl Model {
             springs: Vec::new(),
             ties: Vec::new(),
             floors: Vec::new(),
+            limit_only: false,
             layers: Vec::new(),
             probes: Vec::new(),
             sections: Vec::new(),

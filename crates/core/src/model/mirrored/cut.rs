@@ -84,6 +84,7 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
         springs: springs.collect::<Option<_>>()?,
         ties: Vec::new(),
         floors: Vec::new(),
+        limit_only: model.limit_only,
         layers: model.layers.clone(),
         probes: probes.collect::<Option<_>>()?,
         sections: sections.collect::<Option<_>>()?,

@@ -52,6 +52,9 @@ pub enum RunError {
         /// Opening and slip at the last commit [mm].
         gap: [f64; 3],
     },
+    /// The deck asks for a limit analysis.
+    #[error("strategy = \"limit\" is a limit analysis, which has no steps: see limit::analyse")]
+    LimitOnly,
     /// A step with inertia has parts without mass.
     #[error(
         "step {step} ({name}) has inertia and {place} has no mass: give every material a density"
@@ -112,6 +115,9 @@ pub(in crate::solve) struct Run<'m> {
 
 impl<'m> Run<'m> {
     pub(in crate::solve) fn new(model: &'m Model, part: &Part) -> Result<Self, RunError> {
+        if model.limit_only {
+            return Err(RunError::LimitOnly);
+        }
         let numbered = |why: BulkError| why.with_number(|e| part.element(e));
         let mut system = System::new(model).map_err(numbered)?;
         let state = system.initial_state(model);
