@@ -378,9 +378,10 @@ fn the_side_of_a_higher_table_does_not_throw_a_sliding_block() {
     let last = recording.rows.last().unwrap();
     assert!(last.probes[0] < 0.0, "{last:?}");
     assert!(last.numerical_dissipation_J > -1e-6, "{last:?}");
-    let most = recording.rows.iter().map(|r| r.kinetic_energy_J);
-    // 0.24 J at first; then it falls.
-    assert!(most.fold(0.0, f64::max) < 0.2405, "{last:?}");
+    // It has no more energy than it began with and its weight gave it: 0.24 J at first, then it falls.
+    for row in &recording.rows {
+        assert!(row.kinetic_energy_J <= row.external_work_J, "{row:?}");
+    }
 }
 
 /// A pad on a very soft spring is pressed across a gap. The first solve does not detect contact and would carry the
