@@ -382,7 +382,7 @@ fn a_deck_for_limit_analysis_is_not_run() {
         "/examples/08_block_couplet.toml"
     );
     for (strategy, refused) in [("limit", true), ("detailed", false)] {
-        let set = [format!("strategy=\"{strategy}\"")];
+        let set = [("strategy".to_owned(), format!("\"{strategy}\""))];
         let deck = Deck::load(path, &set).unwrap();
         let (model, _) = Model::from_deck(&deck).unwrap();
         let ran = run(&model, &mut Recording::default());
