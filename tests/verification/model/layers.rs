@@ -127,9 +127,10 @@ fn layers_hold_a_couplet_together() {
     // The render cracks at 2 µm; increments of 0.2 µm.
     let (_, most) = driven("displacement = 0.02");
     println!("{most} of {strength} kN");
-    // The layer is pulled at its inner face and bends, so that its points do not crack all at once.
+    // The layer is pulled at its inner face and bends, so that its points do not crack all at once: 2 to 3 % are lost,
+    // whatever the unbonded length (docs/decisions/layers-over-joints.md).
     assert!(
-        most > 0.98 * strength && most < 1.001 * strength,
+        most > 0.97 * strength && most < 1.001 * strength,
         "{most} {strength}"
     );
     let (recording, _) = driven("displacement = 0.2");
