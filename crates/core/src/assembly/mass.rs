@@ -11,10 +11,8 @@
 //! element integrate the volume of a trilinear hexahedron exactly, so the total mass is exact. Floors add their masses
 //! to nodes. Nodes tied to a beam add to its mass. Mass at supported displacements moves nothing.
 
-use nalgebra::DMatrix;
-
+use super::Bulk;
 use super::dofs::{DofMap, HELD};
-use super::{Bulk, RigidBodies};
 use crate::element::hex8::CORNERS;
 use crate::model::Model;
 
@@ -33,7 +31,7 @@ const PAIRS: [(usize, usize); 36] = {
     pairs
 };
 
-/// Coupling of the nodes of the deformable elements.
+/// Coupling of the nodes of the elements.
 #[derive(Clone, Debug)]
 struct Couplings {
     /// Nodes of the elements. `[element][node]`
@@ -67,33 +65,24 @@ impl Couplings {
         }
     }
 
-    /// Leaves elements out. `rigid`: `[element]`
-    fn leave_out(&mut self, rigid: &[bool]) {
-        let stays = |list: usize| !rigid[list];
-        let mut e = 0;
-        self.nodes.retain(|_| {
-            e += 1;
-            stays(e - 1)
-        });
-        e = 0;
-        self.of_pairs.retain(|_| {
-            e += 1;
-            stays(e - 1)
-        });
+    /// Visits the pairs of nodes of an element, each pair of different nodes in both orders.
+    fn each_of(&self, element: usize, mut visit: impl FnMut([usize; 2], f64)) {
+        let nodes = &self.nodes[element];
+        for (coupling, (a, b)) in self.of_pairs[element].iter().zip(PAIRS) {
+            let [a, b] = [nodes[a] as usize, nodes[b] as usize];
+            visit([a, b], *coupling);
+            if a != b {
+                visit([b, a], *coupling);
+            }
+        }
     }
 
-    /// Visits the directions of the pairs of nodes, each pair of different nodes in both orders.
+    /// Visits the directions of the pairs of nodes.
     fn each_node(&self, mut visit: impl FnMut([usize; 2], usize, f64)) {
-        for (nodes, pairs) in self.nodes.iter().zip(&self.of_pairs) {
-            for (coupling, (a, b)) in pairs.iter().zip(PAIRS) {
-                let [a, b] = [nodes[a] as usize, nodes[b] as usize];
-                for i in 0..3 {
-                    visit([a, b], i, *coupling);
-                    if a != b {
-                        visit([b, a], i, *coupling);
-                    }
-                }
-            }
+        for element in 0..self.nodes.len() {
+            self.each_of(element, |nodes, coupling| {
+                (0..3).for_each(|i| visit(nodes, i, coupling));
+            });
         }
     }
 
@@ -109,31 +98,6 @@ impl Couplings {
     }
 }
 
-/// Consistent mass of a rigid body beside its lumped one. It gives the moments of inertia of the solid
-/// (theory/rigid-bodies.md, eq. 7).
-#[derive(Clone, Debug)]
-pub(super) struct BodyMass {
-    /// Slots of its nodes. `[node][xyz]`
-    slots: Vec<[u32; 3]>,
-    /// Consistent mass without the lumped one [tonne]; its rows sum to zero. `[node][node]`
-    pub(super) coupling: DMatrix<f64>,
-}
-
-impl BodyMass {
-    /// Visits the pairs of slots that it couples.
-    fn each(&self, mut visit: impl FnMut(usize, usize, f64)) {
-        for (a, rows) in self.slots.iter().enumerate() {
-            for (b, columns) in self.slots.iter().enumerate() {
-                for (row, column) in rows.iter().zip(columns) {
-                    if *row != HELD && *column != HELD {
-                        visit(*row as usize, *column as usize, self.coupling[(a, b)]);
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Masses of nodes and of generalised displacements.
 #[derive(Clone, Debug)]
 pub struct Mass {
@@ -145,10 +109,8 @@ pub struct Mass {
     lever: Vec<f64>,
     /// Direction of each slot's displacement. `[slot]`
     direction: Vec<u8>,
-    /// Coupling in the deformable elements.
+    /// Coupling in the elements.
     elements: Couplings,
-    /// Coupling in the rigid bodies.
-    bodies: Vec<BodyMass>,
     /// Number of elements, for the mean over their nodes. An element across a plane of symmetry counts in part.
     count: f64,
 }
@@ -189,51 +151,8 @@ impl Mass {
             lever,
             direction,
             elements: Couplings::new(bulk, dofs, model),
-            bodies: Vec::new(),
             count: bulk.count,
         }
-    }
-
-    /// Gives rigid bodies the consistent mass of their elements.
-    pub(super) fn of_bodies(
-        &mut self,
-        bulk: &Bulk,
-        dofs: &DofMap,
-        model: &Model,
-        bodies: &RigidBodies,
-    ) {
-        let mass = |(nodes, elements): (&[u32], &[u32])| {
-            let mut mass = DMatrix::zeros(nodes.len(), nodes.len());
-            for &e in elements {
-                let density = density(model, e as usize);
-                let own = |n: u32| model.mesh.reflected(n).map_or(n, |image| image.of);
-                let places = bulk.elements[e as usize].map(|n| nodes.binary_search(&own(n)).ok());
-                for (row, sums) in places
-                    .iter()
-                    .zip(consistent(&bulk.shape(e as usize).weight))
-                {
-                    for (column, sum) in places.iter().zip(sums) {
-                        if let (Some(row), Some(column)) = (row, column) {
-                            mass[(*row, *column)] += density * sum;
-                        }
-                    }
-                }
-            }
-            // Lumped masses are the row sums; what joins the nodes is the rest.
-            for row in 0..nodes.len() {
-                mass[(row, row)] -= mass.row(row).sum();
-            }
-            BodyMass {
-                slots: nodes.iter().map(|n| dofs.slot[*n as usize]).collect(),
-                coupling: mass,
-            }
-        };
-        self.bodies = bodies.parts().map(mass).collect();
-        let mut rigid = vec![false; bulk.elements.len()];
-        for e in bodies.parts().flat_map(|(_, elements)| elements) {
-            rigid[*e as usize] = true;
-        }
-        self.elements.leave_out(&rigid);
     }
 
     /// Inertia forces on supported displacements at the accelerations of the slots [N]. `[node][xyz]`
@@ -249,31 +168,25 @@ impl Mass {
         forces
     }
 
-    /// Visits the pairs of slots that elements couple, and what couples them [tonne].
-    pub(super) fn each_coupling(&self, visit: impl FnMut(usize, usize, f64)) {
-        self.elements.each(visit);
+    /// Visits the pairs of nodes that an element couples, and C_ab [tonne].
+    pub(super) fn each_coupling_of(&self, element: usize, visit: impl FnMut([usize; 2], f64)) {
+        self.elements.each_of(element, visit);
     }
 
-    /// Coupling of the masses of each rigid body. `[body]`
-    pub(super) fn bodies(&self) -> &[BodyMass] {
-        &self.bodies
+    /// Visits the pairs of slots that elements couple, and C_ab times their parts [tonne].
+    pub(super) fn each_coupling(&self, visit: impl FnMut(usize, usize, f64)) {
+        self.elements.each(visit);
     }
 
     /// Adds the part of M v that couples nodes to `to`. `[slot]`
     pub fn add_coupling(&self, factor: f64, v: &[f64], to: &mut [f64]) {
         (self.elements).each(|row, column, mass| to[row] += factor * mass * v[column]);
-        for body in &self.bodies {
-            body.each(|row, column, mass| to[row] += factor * mass * v[column]);
-        }
     }
 
     /// The part of uᵀ M v that couples nodes. `[slot]`
     pub fn coupling(&self, u: &[f64], v: &[f64]) -> f64 {
         let mut sum = 0.0;
         (self.elements).each(|row, column, mass| sum += u[row] * mass * v[column]);
-        for body in &self.bodies {
-            body.each(|row, column, mass| sum += u[row] * mass * v[column]);
-        }
         sum
     }
 

@@ -166,7 +166,7 @@ impl System {
     pub fn add_mass(&self, equations: &Equations, factor: f64, values: &mut [f64]) {
         let Some(gather) = &self.gather else { return };
         self.add_diagonal(equations, factor, &self.mass.slot, values);
-        (self.rigid).add_coupling(gather, factor, self.mass.bodies(), values);
+        (self.rigid).add_coupling(gather, factor, &self.mass, values);
         let couplings = self
             .couplings
             .get_or_init(|| self.couplings(equations, gather));

@@ -135,7 +135,6 @@ impl System {
     pub fn new(model: &Model) -> Result<Self, bulk::BulkError> {
         let mut system = Self::deformable(model)?;
         let bodies = RigidBodies::new(model, &system.dofs, &system.springs, &system.ties);
-        (system.mass).of_bodies(&system.bulk, &system.dofs, model, &bodies);
         system.make_rigid(bodies);
         Ok(system)
     }

@@ -92,12 +92,6 @@ impl RigidBodies {
         all.map(|e| *e as usize)
     }
 
-    /// Nodes, without images, and elements of each body.
-    pub(super) fn parts(&self) -> impl Iterator<Item = (&[u32], &[u32])> {
-        let bodies = self.bodies.iter();
-        bodies.map(|body| (&body.nodes[..], &body.elements[..]))
-    }
-
     /// Moves the nodes of each body to the rigid pose nearest to their displacements `q` [mm]. `[slot]`
     pub(crate) fn straighten(&self, dofs: &DofMap, q: &mut [f64]) {
         let of_node = |n: u32, q: &[f64]| {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::body::Body;
 use super::{NONE, RigidBodies, equation};
 use crate::assembly::dofs::{DofMap, Equations, HELD};
-use crate::assembly::mass::BodyMass;
+use crate::assembly::mass::Mass;
 use crate::assembly::pattern::{CELL, Gather};
 use crate::assembly::trial::Trial;
 
@@ -314,21 +314,19 @@ impl RigidBodies {
         &self,
         gather: &Gather,
         factor: f64,
-        masses: &[BodyMass],
+        mass: &Mass,
         values: &mut [f64],
     ) {
         let Some(reduction) = &self.reduction else {
             return;
         };
-        let bodies = self.bodies.iter().zip(&reduction.of_body);
-        for ((body, of), mass) in bodies.zip(masses) {
+        for (body, of) in self.bodies.iter().zip(&reduction.of_body) {
             let mut sum = SMatrix::<f64, 6, 6>::zeros();
-            for (a, first) in body.nodes.iter().enumerate() {
-                let mut row = SMatrix::<f64, 3, 6>::zeros();
-                for (b, second) in body.nodes.iter().enumerate() {
-                    row += mass.coupling[(a, b)] * reduction.motion(*second);
-                }
-                sum += reduction.motion(*first).transpose() * row;
+            for e in &body.elements {
+                mass.each_coupling_of(*e as usize, |nodes, coupling| {
+                    let [a, b] = nodes.map(|n| reduction.motion(n as u32));
+                    sum += coupling * (a.transpose() * b);
+                });
             }
             add_body(gather, of, &(factor * sum), values);
         }

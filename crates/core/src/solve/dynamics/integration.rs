@@ -328,13 +328,9 @@ impl Motion {
     ) -> [f64; 2] {
         let weight = 0.5 + self.scheme.alpha();
         let (mut numerical, mut damping) = (0.0, 0.0);
-        let mut coupled_start = vec![0.0; dq.len()];
-        mass.add_coupling(1.0, &state.acceleration, &mut coupled_start);
         for (s, &du) in dq.iter().enumerate() {
             damping += 0.5 * (state.damping[s] + self.damping_force[s]) * du;
             if self.prescribed[s].is_some() {
-                // Work of a drive follows the trapezoidal rule, also against the inertia of the nodes beside it.
-                numerical -= 0.5 * (self.coupled[s] - coupled_start[s]) * du;
                 continue;
             }
             let net = loads[s] - trial.force[s] - self.damping_force[s];
@@ -348,6 +344,16 @@ impl Motion {
         let change: Vec<f64> = pairs().map(|(v, start)| v - start).collect();
         let mean: Vec<f64> = pairs().map(|(v, start)| 0.5 * (v + start)).collect();
         numerical += mass.coupling(dq, &self.acceleration) - mass.coupling(&mean, &change);
+        if self.prescribed.iter().any(Option::is_some) {
+            // Work of a drive follows the trapezoidal rule, also against the inertia of the nodes beside it.
+            let start = state.acceleration.iter().zip(&self.acceleration);
+            let difference: Vec<f64> = start.map(|(start, end)| end - start).collect();
+            let driven = dq.iter().zip(&self.prescribed);
+            let driven: Vec<f64> = driven
+                .map(|(du, prescribed)| prescribed.map_or(0.0, |_| *du))
+                .collect();
+            numerical -= 0.5 * mass.coupling(&driven, &difference);
+        }
         [numerical, damping]
     }
 }
