@@ -110,7 +110,12 @@ fn cubes_collide_face_edge_and_corner_first() {
         (-20000.0, 40, 0.02, 0.2),
     ];
     for (name, at, turns) in cases {
-        for (v, increments, time, most) in speeds {
+        for (v, mut increments, time, most) in speeds {
+            if name == "corner on the rim" && v < -1e4 {
+                // A corner that leaves a rim at 20 m/s needs finer increments: in 40, 60, 100, 200 and 1000 of them the
+                // balance closes to 1.1, 1.7, 0.7, 0.14 and 0.02 %.
+                increments = 100;
+            }
             println!("{name}, {v} mm/s, {increments} increments");
             let (model, recording, [a, b]) = collide(at, &turns, [0.0, 0.0, v], increments, time);
             let deep = tell(&model, &recording);
@@ -118,16 +123,9 @@ fn cubes_collide_face_edge_and_corner_first() {
             let restitution = (va - vb) / v;
             println!("  {va:.1} and {vb:.1} mm/s, restitution {restitution:.3}");
             assert!(deep < most, "{name}: {deep}");
-            // HHT may create a hundredth of the kinetic energy of an impact before backward Euler dissipates it. At
-            // 20 m/s a corner leaves the rim within an increment of ten times its way on the face, which the
-            // trapezoidal rule does not follow: 1.1 % are lost unbooked, and the run warns of it.
-            let unbooked = if name == "corner on the rim" && v < -1e4 {
-                2e-2
-            } else {
-                1e-2
-            };
+            // HHT may create a hundredth of the kinetic energy of an impact before backward Euler dissipates it.
             assert!(
-                imbalance(&recording) < unbooked && gain(&recording) < 1e-2,
+                imbalance(&recording) < 1e-2 && gain(&recording) < 1e-2,
                 "{name}"
             );
             assert!(((va + vb) / v - 1.0).abs() < 1e-3, "{name}: {va} {vb}");
