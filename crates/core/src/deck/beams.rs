@@ -16,7 +16,7 @@ use super::schema::{
     NotConvex, StepKind, Turning,
 };
 use crate::element::hexahedron::range;
-use crate::error::{ErrorKind, Errors, ModelError};
+use crate::error::{ErrorKind, ModelError};
 use crate::model::scene::Increments;
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
@@ -28,7 +28,7 @@ const STIFFER: f64 = 100.0;
 pub(super) const AIR: f64 = 1.2e-12;
 
 /// A face is level if the heights of its nodes differ by less than this [mm].
-const LEVEL: f64 = 0.01;
+pub(super) const LEVEL: f64 = 0.01;
 
 /// Returns the deck with its beams replaced by blocks, contacts and springs, and with the steps that move them.
 ///
@@ -40,18 +40,9 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     }
     let mut plain = deck.clone();
     plain.beams.clear();
-    let mut errors = Errors::default();
-    let blocks = {
-        // Bodies are built here to find where the beams lie, and a second time with the beams. Files named by the
-        // deck are therefore read twice.
-        let bodies = Bodies::new(&plain)?;
-        let mut blocks = Vec::new();
-        for (i, beam) in deck.beams.iter().enumerate() {
-            blocks.extend(errors.keep(outline(&bodies, deck, i, beam)));
-        }
-        blocks
-    };
-    let blocks = errors.end(blocks)?;
+    let blocks = Bodies::measured(&plain, &deck.beams, |bodies, i, beam| {
+        outline(bodies, deck, i, beam)
+    })?;
     for (i, (beam, laid)) in deck.beams.iter().zip(&blocks).enumerate() {
         for path in add(&mut plain, beam, laid) {
             plain.stands_for(path, format!("beams.{i}"));

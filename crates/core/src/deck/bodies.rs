@@ -119,6 +119,24 @@ impl<'a> Bodies<'a> {
         errors.end(bodies)
     }
 
+    /// Finds something on the bodies of a deck for each of `items`, with all errors. The bodies are built for this, and
+    /// again with the parts that follow from it; files named by the deck are therefore read again.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`] and of the items.
+    pub(super) fn measured<T, U>(
+        deck: &'a Deck,
+        items: &[T],
+        of: impl Fn(&Self, usize, &T) -> Result<U, ModelError>,
+    ) -> Result<Vec<U>, ModelError> {
+        let bodies = Self::new(deck)?;
+        let mut errors = Errors::default();
+        let items = items.iter().enumerate();
+        let found = items.filter_map(|(i, item)| errors.keep(of(&bodies, i, item)));
+        let found = found.collect();
+        errors.end(found)
+    }
+
     /// Rejects more searches for points than [`MOST_SEARCHED`].
     fn require_few_searches(&self) -> Result<(), ModelError> {
         let (deck, nodes) = (self.deck, self.mesh.nodes.len());

@@ -6,21 +6,29 @@
 //!   └──┴────┴─┘                 on a joint, so that they stretch by its opening alone; the others are bonded.
 //! ```
 
+use super::amount::MOST_ELEMENTS;
+use super::beams::LEVEL;
 use super::bodies::Bodies;
 use super::quantity::Length;
 use super::schema::{Deck, DeckBlock, DeckContact, DeckLayer, Lattice, Names, NotConvex};
 use crate::element::hexahedron::{Face, area_vector, cross, difference, norm, range};
-use crate::error::{ErrorKind, Errors, ModelError};
+use crate::error::{ErrorKind, ModelError};
 use std::borrow::Cow;
 
 /// A face is normal to an axis if its unit normal has at least this component along it.
 const ALONG: f64 = 1.0 - 1e-6;
 
-/// Faces lie in one plane if their nodes differ by less than this along the normal [mm].
-const LEVEL: f64 = 0.01;
-
 /// Lines nearer than this part of the smallest edge of a facet, or of half of the unbonded length, are one line.
 const NEAR: f64 = 0.2;
+
+/// Middle of a cell, and places near its corners.
+const POINTS: [[f64; 2]; 5] = [
+    [0.5, 0.5],
+    [0.01, 0.01],
+    [0.99, 0.01],
+    [0.99, 0.99],
+    [0.01, 0.99],
+];
 
 /// Largest part of the smallest edge of a unit that is unbonded at each of its ends.
 const MOST_UNBONDED: f64 = 0.3;
@@ -35,16 +43,10 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     }
     let mut plain = deck.clone();
     plain.layers.clear();
-    let mut errors = Errors::default();
-    let made = {
-        // As for beams, bodies are built here to find the faces, and a second time with the layers.
-        let bodies = Bodies::new(&plain)?;
-        let layers = deck.layers.iter().enumerate();
-        let made = layers.filter_map(|(i, layer)| errors.keep(lattice(&bodies, deck, i, layer)));
-        made.collect::<Vec<_>>()
-    };
-    let made = errors.end(made)?;
-    for (i, (layer, (lattice, face))) in deck.layers.iter().zip(made).enumerate() {
+    let made = Bodies::measured(&plain, &deck.layers, |bodies, i, layer| {
+        lattice(bodies, deck, i, layer)
+    })?;
+    for (i, (layer, lattice)) in deck.layers.iter().zip(made).enumerate() {
         let paths = [
             format!("blocks.{}", plain.blocks.len()),
             format!("contacts.{}", plain.contacts.len()),
@@ -52,6 +54,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
         for path in paths {
             plain.stands_for(path, format!("layers.{i}"));
         }
+        let face = Face::ALL[lattice.touching].0;
         plain.contacts.push(DeckContact {
             slave: Some(Names(vec![format!("{}.{face}", layer.name)])),
             master: Some(layer.on.clone()),
@@ -94,13 +97,13 @@ fn block(layer: &DeckLayer, lattice: Lattice) -> DeckBlock {
     }
 }
 
-/// Cells of layer `i`, and the name of its face that touches the faces which it covers.
+/// Cells of layer `i`.
 fn lattice(
     bodies: &Bodies<'_>,
     deck: &Deck,
     i: usize,
     layer: &DeckLayer,
-) -> Result<(Lattice, &'static str), ModelError> {
+) -> Result<Lattice, ModelError> {
     let path = format!("layers.{i}.on");
     let places = bodies.places(&path, &layer.on, true)?;
     let faces = places
@@ -142,8 +145,22 @@ fn lattice(
     let cover = Cover { units, axis, out };
     let half = half_unbonded(bodies, &format!("layers.{i}"), layer, &cover)?;
     let thickness = layer.thickness.get();
-    let lattice = cover.lattice(low, thickness, half, touching);
-    Ok((lattice, Face::ALL[touching].0))
+    let lines = cover.lines(half, [low, low + out * thickness]);
+    let cells: f64 = lines.iter().map(|at| at.len() as f64 - 1.0).product();
+    if cells > MOST_ELEMENTS {
+        let help = "at most 5e5: let several layers cover parts of the faces";
+        let error = deck.error(
+            &path,
+            format!("the layer has {cells} cells: too many"),
+            help,
+        );
+        return Err(error.of_kind(ErrorKind::TooMany));
+    }
+    let lattice = cover.lattice(lines, touching);
+    if !lattice.bonded.contains(&true) {
+        return refused("no element of the layer lies on one unit alone".to_owned());
+    }
+    Ok(lattice)
 }
 
 /// Half of the unbonded length at a joint [mm], at most a part of the smallest unit. By default it is the length √(E t
@@ -206,60 +223,58 @@ impl Cover {
             .map(move |unit| self.plane().map(|d| of(unit, d)))
     }
 
-    /// Cells over the units in the plane at `place`, of this thickness, whose face `touching` is bonded to them.
-    fn lattice(&self, place: f64, thickness: f64, half: f64, touching: usize) -> Lattice {
+    /// Cells between `lines` over the units, whose face `touching` is bonded to them.
+    fn lattice(&self, lines: [Vec<f64>; 3], touching: usize) -> Lattice {
         let [u, v] = self.plane();
-        let mut lines = [Vec::new(), Vec::new(), Vec::new()];
-        for (k, d) in [u, v].into_iter().enumerate() {
-            lines[d] = self.lines(k, half);
-        }
-        let beyond = place + self.out * thickness;
-        lines[self.axis] = vec![place.min(beyond), place.max(beyond)];
         let cells = lines.each_ref().map(|at| at.len() - 1);
-        let mut solid = vec![false; cells.iter().product()];
-        let mut bonded = solid.clone();
-        for b in 0..cells[v] {
-            for a in 0..cells[u] {
-                let (mut at, mut corner) = ([0; 3], [place; 3]);
-                (at[u], at[v]) = (a, b);
-                let cell = (at[2] * cells[1] + at[1]) * cells[0] + at[0];
-                // The middle, and points near the corners.
-                let points = [
-                    [0.5, 0.5],
-                    [0.01, 0.01],
-                    [0.99, 0.01],
-                    [0.99, 0.99],
-                    [0.01, 0.99],
-                ];
-                let owners = points.map(|part| {
-                    for (d, (k, part)) in [u, v].into_iter().zip([a, b].into_iter().zip(part)) {
-                        corner[d] = lines[d][k] + part * (lines[d][k + 1] - lines[d][k]);
+        // Units at the middle of each cell and near its corners.
+        let mut owners = vec![[None; POINTS.len()]; cells.iter().product()];
+        for (unit, facets) in self.units.iter().enumerate() {
+            for facet in facets {
+                let of = |d: usize| {
+                    let [low, high] = range(facet.iter().map(|x| x[d]));
+                    let first = lines[d].partition_point(|x| *x <= low).saturating_sub(1);
+                    first..lines[d].partition_point(|x| *x < high).min(cells[d])
+                };
+                for b in of(v) {
+                    for a in of(u) {
+                        let mut at = [0; 3];
+                        (at[u], at[v]) = (a, b);
+                        let owners = &mut owners[(at[2] * cells[1] + at[1]) * cells[0] + at[0]];
+                        for (owner, part) in owners.iter_mut().zip(POINTS) {
+                            let mut point = facet[0];
+                            for (d, k, part) in [(u, a, part[0]), (v, b, part[1])] {
+                                point[d] = lines[d][k] + part * (lines[d][k + 1] - lines[d][k]);
+                            }
+                            if owner.is_none() && covers(facet, point, self.axis, self.out) {
+                                *owner = Some(unit);
+                            }
+                        }
                     }
-                    self.unit_at(corner)
-                });
-                solid[cell] = owners.iter().all(Option::is_some);
-                bonded[cell] = solid[cell] && owners.iter().all(|unit| *unit == owners[0]);
+                }
             }
         }
+        let is_solid = |owners: &[Option<usize>; 5]| owners.iter().all(Option::is_some);
+        let is_one = |owners: &[Option<usize>; 5]| owners.iter().all(|unit| *unit == owners[0]);
         Lattice {
             lines,
-            solid,
-            bonded,
+            solid: owners.iter().map(is_solid).collect(),
+            bonded: (owners.iter()).map(|o| is_solid(o) && is_one(o)).collect(),
             touching,
         }
     }
 
-    /// Unit whose face has a point of the plane.
-    fn unit_at(&self, point: [f64; 3]) -> Option<usize> {
-        let on = |unit: &Vec<[[f64; 3]; 4]>| {
-            let mut facets = unit.iter();
-            facets.any(|facet| covers(facet, point, self.axis, self.out))
-        };
-        self.units.iter().position(on)
+    /// Lines along x, y, z, ascending [mm]; along the axis those of its two faces.
+    fn lines(&self, half: f64, [near, far]: [f64; 2]) -> [Vec<f64>; 3] {
+        let mut lines = [0, 1, 2].map(|_| vec![near.min(far), near.max(far)]);
+        for (k, d) in self.plane().into_iter().enumerate() {
+            lines[d] = self.lines_along(k, half);
+        }
+        lines
     }
 
     /// Lines along direction `k` of the plane, ascending [mm]: those of the meshes, and two beside each joint.
-    fn lines(&self, k: usize, half: f64) -> Vec<f64> {
+    fn lines_along(&self, k: usize, half: f64) -> Vec<f64> {
         let d = self.plane()[k];
         let facets = || self.units.iter().flatten();
         let [first, last] = range(facets().flatten().map(|x| x[d]));
@@ -272,7 +287,11 @@ impl Cover {
         let ends = self.extents().flat_map(|extent| extent[k]);
         let joints = distinct(ends.filter(inside).collect(), near);
         let of_meshes = facets().flatten().map(|x| x[d]);
-        let beside = |x: &f64| joints.iter().all(|joint| (x - joint).abs() > half + near);
+        let beside = |x: &f64| {
+            let after = joints.partition_point(|joint| joint <= x);
+            let mut nearest = joints[after.saturating_sub(1)..].iter().take(2);
+            nearest.all(|joint| (x - joint).abs() > half + near)
+        };
         let mut lines: Vec<f64> = of_meshes.filter(beside).collect();
         lines.extend(joints.iter().flat_map(|joint| [joint - half, joint + half]));
         lines.retain(inside);

@@ -274,8 +274,8 @@ def wall(
         Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``,
-        ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``fidelity``, ``output``, ``probes``, ``walls``,
-        ``blocks``.
+        ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``fidelity``, ``output``, ``probes``,
+        ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
     if mortar is None:
@@ -427,7 +427,8 @@ def blocks(
     search_radius
         Largest gap at which a point is paired with the opposite surface [mm].
     tables
-        Further tables of the deck: ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``walls``, ``arch``,
+        Further tables of the deck: ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``walls``,
+        ``arch``,
         ``element``, ``fidelity``, ``output``.
     """
     return Model.from_dict(
