@@ -66,8 +66,9 @@ pub(super) fn meeting(
         errors.keep(pair.add_slaves(elastic, &mut contact));
         warnings.extend(pair.overhang());
         warnings.extend(pair.coarser());
-        warnings.extend(pair.alone());
-        pair.touching(&mut touching, &mut warnings);
+        let gaps = pair.gaps();
+        warnings.extend(pair.alone(&gaps));
+        pair.touching(&gaps, &mut touching, &mut warnings);
     }
     add_masters(bodies, &pairings, &mut contact);
     errors.end(Meeting {
@@ -178,11 +179,16 @@ impl<'a> Pair<'a> {
     }
 
     /// Adds the masters that the slave face touches at rest, and warnings about those that it penetrates.
-    fn touching(&self, touching: &mut Vec<Touching>, warnings: &mut Vec<Warning>) {
+    fn touching(
+        &self,
+        gaps: &[Option<f64>],
+        touching: &mut Vec<Touching>,
+        warnings: &mut Vec<Warning>,
+    ) {
         let slave = self.pairing.slave;
         let size = self.face(slave).mean_facet().sqrt();
-        for master in &self.pairing.masters {
-            let Some(gap) = self.gap(*master) else {
+        for (master, gap) in self.pairing.masters.iter().zip(gaps) {
+            let Some(gap) = *gap else {
                 continue;
             };
             let (a, b) = (self.body(slave), self.body(*master));
@@ -250,7 +256,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Warning about a slave face that meets none of its masters at rest.
-    fn alone(&self) -> Option<Warning> {
+    fn alone(&self, gaps: &[Option<f64>]) -> Option<Warning> {
         let Pairing {
             slave,
             masters,
@@ -260,8 +266,8 @@ impl<'a> Pair<'a> {
         if masters.iter().chain([slave]).any(|m| self.body(*m).curved) {
             return None; // curved facets touch at few places
         }
-        let gaps = masters.iter().filter_map(|m| self.gap(*m));
-        let nearest = gaps.map(f64::abs).min_by(f64::total_cmp);
+        let gaps = gaps.iter().flatten();
+        let nearest = gaps.copied().map(f64::abs).min_by(f64::total_cmp);
         let reach = self.reach();
         if nearest.is_some_and(|gap| gap <= reach) {
             return None;
@@ -294,25 +300,38 @@ impl<'a> Pair<'a> {
         ))
     }
 
-    /// Least distance between the slave face and a master [mm], see [`touch::distance`].
-    fn gap(&self, master: Patch) -> Option<f64> {
-        let [a, b] = [self.pairing.slave, master].map(|patch| &self.face(patch).outlines);
-        if a.len().saturating_mul(b.len()) > MOST_PARTS {
-            let around: Vec<Aabb> = b.iter().map(touch::surroundings).collect();
-            let tree = Bvh::build(&around);
-            let (mut stack, mut least) = (Vec::new(), None);
-            for part in a {
-                tree.query(&around, &touch::surroundings(part), &mut stack, |i| {
-                    let gap = touch::distance(part, &b[i as usize]);
-                    let nearer = |g: &f64| least.is_none_or(|l: f64| g.abs() < l.abs());
-                    least = gap.filter(nearer).or(least);
+    /// Least distance between the slave face and each master [mm], see [`touch::distance`]. Of many parts only those
+    /// near each other are compared. `[master]`
+    fn gaps(&self) -> Vec<Option<f64>> {
+        let own = &self.face(self.pairing.slave).outlines;
+        let masters = self.pairing.masters.iter();
+        let masters = masters.map(|master| &self.face(*master).outlines);
+        let parts: usize = masters.clone().map(Vec::len).sum();
+        let nearest = |gaps: &mut dyn Iterator<Item = f64>| {
+            gaps.min_by(|a: &f64, b: &f64| a.abs().total_cmp(&b.abs()))
+        };
+        if own.len().saturating_mul(parts) <= MOST_PARTS {
+            let gap = |other: &Vec<[[f64; 3]; 4]>| {
+                let pairs = own.iter().flat_map(|a| other.iter().map(move |b| (a, b)));
+                nearest(&mut pairs.filter_map(|(a, b)| touch::distance(a, b)))
+            };
+            return masters.map(gap).collect();
+        }
+        let reach = self.reach();
+        let around: Vec<Aabb> = own.iter().map(touch::surroundings).collect();
+        let tree = Bvh::build(&around);
+        let mut stack = Vec::new();
+        let gap = |other: &Vec<[[f64; 3]; 4]>| {
+            let mut gaps = Vec::new();
+            for part in other {
+                let about = touch::surroundings(part).fattened(reach);
+                tree.query(&around, &about, &mut stack, |i| {
+                    gaps.extend(touch::distance(&own[i as usize], part));
                 });
             }
-            return least;
-        }
-        let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
-        let gaps = pairs.filter_map(|(a, b)| touch::distance(a, b));
-        gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+            nearest(&mut gaps.into_iter())
+        };
+        masters.map(gap).collect()
     }
 
     /// Largest gap at which the faces are in contact at rest [mm]: the search radius of the deck, else 0.06 of a
