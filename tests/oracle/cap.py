@@ -60,6 +60,7 @@ class CapJoint:
     tan_psi: float = 0.0
     sigma_u: float = math.inf
     delta: float = 0.0
+    closes: bool = True
 
     @property
     def dry(self) -> bool:
@@ -129,7 +130,7 @@ class Curves:
 class Branch:
     """A smooth piece of the rates."""
 
-    #: Active surfaces, 0: tension, 1: friction, 2: cap.
+    #: Active surfaces, 0: tension, 1: friction, 2: cap, 3: closing.
     active: tuple[int, ...]
     #: sigma < 0.
     pressed: bool
@@ -139,8 +140,11 @@ class Branch:
     piece: int
 
 
-#: Places in the state: sigma, tau1, tau2, -ln(1 - D), s_p, theta, work.
-TAU, LOSS, SLIP, THETA, WORK = slice(1, 3), 3, 4, 5, 6
+#: Places in the state: sigma, tau1, tau2, -ln(1 - D), s_p, theta, work, gap w; their number.
+TAU, LOSS, SLIP, THETA, WORK, GAP = slice(1, 3), 3, 4, 5, 6, 7
+STATES = 8
+#: -f_4 of a joint that has no gap to close [MPa].
+NO_GAP = 1.0
 
 
 @dataclass(frozen=True)
@@ -150,18 +154,19 @@ class Law:
     joint: CapJoint
 
     def surfaces(self, y: Floats) -> Floats:
-        """f_1, f_2, f_3 (2 to 4) [MPa]."""
+        """f_1, f_2, f_3 (2 to 4) and f_4 (13) [MPa]."""
         j, sigma, shear = self.joint, float(y[0]), math.hypot(*y[TAU])
         left = math.exp(-y[LOSS])
         friction = j.mu + (j.tan_phi - j.mu) * left
         piece = next(i for i, kink in enumerate(j.kinks) if y[THETA] <= kink)
         cap = math.sqrt(j.C_nn * min(sigma, 0.0) ** 2 + j.C_ss * shear**2) - j.curve(y[THETA], piece)[0]
-        return np.array([sigma - left * j.f_t, shear + friction * sigma - left * j.c, cap])
+        closing = -sigma if y[GAP] > 0.0 else -NO_GAP
+        return np.array([sigma - left * j.f_t, shear + friction * sigma - left * j.c, cap, closing])
 
     def linear(self, y: Floats, branch: Branch, gap: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Rates of the state and of the surfaces as affine functions of the multipliers.
 
-        The multipliers are those of tension and friction and the rate of theta. Returns the elastic rates of the state,
+        The multipliers are those of tension and friction, the rate of theta and that of closing. Returns the elastic rates of the state,
         their derivatives by the multipliers (columns), and the same of the surfaces.
         """
         j, sigma, tau = self.joint, float(y[0]), y[TAU]
@@ -174,16 +179,17 @@ class Law:
         _, f_slope, kappa_slope = j.curve(y[THETA], branch.piece)
         length = math.hypot(j.C_nn * pressure, j.C_ss * shear)
         cap = kappa_slope / length if length > 0.0 else 0.0
-        plastic_u = np.array([1.0, dilatancy, -j.C_nn * pressure * cap])
-        plastic_slip = np.outer(n, [0.0, 1.0, j.C_ss * shear * cap])
-        start, by = np.zeros(7), np.zeros((7, 3))
+        plastic_u = np.array([1.0, dilatancy, -j.C_nn * pressure * cap, -1.0])
+        plastic_slip = np.outer(n, [0.0, 1.0, j.C_ss * shear * cap, 0.0])
+        start, by = np.zeros(STATES), np.zeros((STATES, 4))
         start[0], start[TAU] = j.normal_stiffness * gap[0], j.shear_stiffness * gap[1:]
         by[0], by[TAU] = -j.normal_stiffness * plastic_u, -j.shear_stiffness * plastic_slip
-        by[LOSS] = [j.f_t / j.G_I, j.c / j.G_II, 0.0]
+        by[LOSS] = [j.f_t / j.G_I, j.c / j.G_II, 0.0, 0.0]
+        by[GAP] = [1.0, 0.0, 0.0, -1.0] if j.closes else 0.0
         by[SLIP, 1] = by[THETA, 2] = 1.0
         start[WORK] = sigma * gap[0] + float(tau @ gap[1:])
         # Gradients of the surfaces by the state.
-        grad = np.zeros((3, 7))
+        grad = np.zeros((4, STATES))
         grad[0, [0, LOSS]] = [1.0, left * j.f_t]
         grad[1, 0], grad[1, TAU] = friction, n
         grad[1, LOSS] = left * (j.c - (j.tan_phi - j.mu) * sigma)
@@ -191,12 +197,13 @@ class Law:
         if root > 0.0:
             grad[2, 0], grad[2, TAU] = -j.C_nn * pressure / root, j.C_ss * tau / root
         grad[2, THETA] = -f_slope
+        grad[3, 0] = -1.0
         return start, by, grad @ start, grad @ by
 
     def multipliers(self, y: Floats, branch: Branch, gap: Floats) -> tuple[Floats, Floats, Floats]:
         """Multipliers of the active surfaces, the others 0; rates of the surfaces; rates of the state."""
         start, by, f_start, f_by = self.linear(y, branch, gap)
-        active, out = list(branch.active), np.zeros(3)
+        active, out = list(branch.active), np.zeros(4)
         if active:
             out[active] = np.linalg.solve(f_by[np.ix_(active, active)], -f_start[active])
         return out, f_start + f_by @ out, start + by @ out
@@ -207,7 +214,7 @@ class _Point:
     """A point during its path."""
 
     law: Law
-    y: Floats = field(default_factory=lambda: np.zeros(7))
+    y: Floats = field(default_factory=lambda: np.zeros(STATES))
     drift: float = 0.0
     branches: set[tuple[int, ...]] = field(default_factory=set)
 
@@ -223,10 +230,13 @@ class _Point:
         piece = next(i for i, kink in enumerate(j.kinks) if y[THETA] < kink)
         for count in range(1 if neutral else 0, len(near) + 1):
             for active in itertools.combinations(near, count):
+                if {0, 3} <= set(active):
+                    # A joint does not open and close at a time.
+                    continue
                 tried = Branch(active, pressed, -y[0] < j.sigma_u, piece)
                 multipliers, rates, _ = law.multipliers(y, tried, gap)
                 # In units of traction.
-                sizes = multipliers * [j.normal_stiffness, j.shear_stiffness, j.f_m]
+                sizes = multipliers * [j.normal_stiffness, j.shear_stiffness, j.f_m, j.normal_stiffness]
                 others = [i for i in near if i not in active]
                 least = -ROUNDING if neutral else ROUNDING
                 if (sizes[list(active)] > least * scale).all() and (rates[others] < ROUNDING * scale).all():
@@ -236,7 +246,7 @@ class _Point:
     def elastic(self, gap: Floats, start: float) -> float:
         """Integrates until a surface is reached; returns that time, or 1."""
         j, begin = self.law.joint, self.y.copy()
-        rate = np.zeros(7)
+        rate = np.zeros(STATES)
         rate[0], rate[TAU] = j.normal_stiffness * gap[0], j.shear_stiffness * gap[1:]
         end = leaves(lambda t: float(self.law.surfaces(begin + (t - start) * rate).max()), start)
 
@@ -253,17 +263,21 @@ class _Point:
         """Integrates while the branch holds; returns the end time, or 1."""
         law, j = self.law, self.law.joint
         kink = j.kinks[branch.piece]
+        closing = 3 in branch.active
+        if closing:
+            self.y[0] = 0.0
 
         def right_hand_side(_: float, y: Floats) -> Floats:
             return law.multipliers(y, branch, gap)[2]
 
         # Each event is positive on the piece and falls through zero at its end.
         events: list[Callable[[float, Floats], float]] = [
-            lambda _, y: -y[0] if branch.pressed else y[0],
+            lambda _, y: 1.0 if closing else -y[0] if branch.pressed else y[0],
             lambda _, y: kink - y[THETA] if branch.piece < 2 else 1.0,
             lambda _, y: (j.sigma_u + y[0]) * (1.0 if branch.dilates else -1.0),
+            lambda _, y: y[GAP] if closing else 1.0,
         ]
-        for i in range(3):
+        for i in range(4):
             if i in branch.active:
                 events.append(lambda _, y, i=i: law.multipliers(y, branch, gap)[0][i])
             else:
@@ -281,7 +295,11 @@ class _Point:
             self.y[THETA] = kink
         if len(done.t_events[2]):
             self.y[0] = np.nextafter(-j.sigma_u, -math.inf if branch.dilates else math.inf)
+        if closing:
+            self.y[0] = 0.0
         self.drift = max(self.drift, float(np.abs(law.surfaces(self.y)[list(branch.active)]).max()))
+        if len(done.t_events[3]):
+            self.y[GAP] = 0.0
         self.branches.add(branch.active)
         return float(done.t[-1])
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from cap import CapJoint
@@ -12,8 +14,10 @@ PLAIN = CapJoint(0.25, 0.35, 0.75, 0.75, 0.018, 0.125, 10.5, 0.09, 5.0, 82.0, 36
 #: An invented joint of which no parameter has its default.
 DILATANT = CapJoint(
     0.2, 0.4, 0.9, 0.6, 0.03, 0.15, 8.0, 0.05, 3.0, 120.0, 50.0,
-    C_nn=1.3, C_ss=7.0, tan_psi=0.5, sigma_u=3.0, delta=2.0,
+    C_nn=1.3, C_ss=7.0, tan_psi=0.5, sigma_u=3.0, delta=2.0, closes=False,
 )  # fmt: skip
+#: The same joint with faces that meet again.
+CLOSING = replace(DILATANT, closes=True)
 #: An invented joint without bond: tan phi_0 and the energies of the bond have no effect.
 DRY = CapJoint(0.0, 0.0, 0.9, 0.65, 1.0, 1.0, 9.0, 0.04, 3.0, 100.0, 40.0, tan_psi=0.2, sigma_u=2.0)
 
@@ -75,6 +79,15 @@ CAP_CASES = [
         "pressed beyond sigma_u and to the cap, slid, relieved while sliding, torn apart",
         DILATANT,
         legs((16, -0.1, 0.02, 0.05), (16, -0.2, 0.25, 0.05), (24, -0.15, -0.2, -0.1), (24, 0.02, 0, -0.2)),
+    ),
+    JointCase(
+        "cap_closing_to_and_fro",
+        "opened, closed and pressed, opened further with slip, slid while it closes, pressed, opened",
+        CLOSING,
+        legs(
+            (16, 0.03, 0, 0), (24, -0.01, 0, 0), (24, 0.08, 0.02, 0.01), (24, -0.02, 0.06, -0.02),
+            (16, -0.04, 0.06, 0.05), (16, 0.05, 0.06, 0.05),
+        ),
     ),
     JointCase(
         "cap_dry_spiral",

@@ -38,6 +38,9 @@ pub struct Cap {
     pub c_nn: f64,
     /// Weight of the shear traction in the cap C_ss [-].
     pub c_ss: f64,
+    /// Whether an opened joint closes without traction until its faces meet. Otherwise it unloads elastically and meets
+    /// them at the plastic opening.
+    pub closes: bool,
 }
 
 /// Indices of this law's variables in [`InterfaceHistory::slots`](crate::InterfaceHistory::slots).
@@ -48,4 +51,6 @@ pub(crate) mod slot {
     pub const SLIP: usize = 1;
     /// Plastic displacement of the cap κ_c [mm].
     pub const CRUSHING: usize = 2;
+    /// Part of the plastic opening that closes without traction, the gap w [mm].
+    pub const GAP: usize = 3;
 }

@@ -20,6 +20,7 @@ fn law() -> Cap {
         curve: CapCurve::with_energy(10.5, 0.09, 5.0).unwrap(),
         c_nn: 1.0,
         c_ss: 9.0,
+        closes: true,
     }
 }
 
@@ -88,7 +89,34 @@ fn tension_softens_exponentially_and_dissipates_its_energy() {
     }
     // e^-25 remains. The trapezoidal rule with 40,000 steps has an error of 1e-7.
     assert!((work / law.mode_1 - 1.0).abs() < 1e-6, "{work}");
-    // Unloading is elastic.
+}
+
+#[test]
+fn an_opened_joint_closes_without_traction_until_its_faces_meet() {
+    let law = law();
+    let first = 0.5 * law.mode_1 / law.f_t;
+    let path = [first, 0.5 * first, 0.0, -0.01, 1e-3, first].map(|u| [u, 0.0, 0.0]);
+    let found = follow(&law, path);
+    // Tolerances: rounding of k_n u.
+    for (closing, sigma) in [(1, 0.0), (2, 0.0), (3, -0.01 * law.normal_stiffness)] {
+        let difference = found[closing].traction[0] - sigma;
+        assert!(difference.abs() < 1e-12, "{closing}: {difference}");
+    }
+    // The bond that was left holds until its strength is reached again. Openings add up.
+    let strength = law.f_t * (1.0 - found[0].damage);
+    let elastic = 1e-3 * law.normal_stiffness;
+    assert!(elastic < strength && (found[4].traction[0] - elastic).abs() < 1e-12);
+    let opened = [0, 5].map(|i| first - found[i].traction[0] / law.normal_stiffness);
+    let exact = law.f_t * (-law.f_t * (opened[0] + opened[1]) / law.mode_1).exp();
+    assert!((found[5].traction[0] - exact).abs() < 1e-12);
+}
+
+#[test]
+fn a_joint_that_does_not_close_unloads_elastically_to_its_plastic_opening() {
+    let law = Cap {
+        closes: false,
+        ..law()
+    };
     let back = follow(&law, [[0.1, 0.0, 0.0], [0.099, 0.0, 0.0]]);
     let [first, second] = [0, 1].map(|i| back[i].traction[0]);
     assert!((first - second - 0.001 * law.normal_stiffness).abs() < 1e-12);

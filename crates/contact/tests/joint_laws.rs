@@ -39,6 +39,7 @@ fn cap(tan_psi: f64) -> Cap {
         curve: CapCurve::with_energy(10.5, 0.09, 5.0).unwrap(),
         c_nn: 1.0,
         c_ss: 9.0,
+        closes: true,
     }
 }
 
@@ -52,6 +53,14 @@ fn laws() -> Vec<(InterfaceLaw, [f64; 2])> {
         (cap(0.0).into(), [0.02, 0.02]),
         (cap(0.0).into(), [0.05, 0.2]),
         (cap(0.5).into(), [0.02, 0.02]),
+        (
+            Cap {
+                closes: false,
+                ..cap(0.5)
+            }
+            .into(),
+            [0.02, 0.02],
+        ),
         (
             Cap {
                 f_t: 0.0,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::study::accuracy::SCENES;
 use clap::{Args, Subcommand};
+use wythe_core::deck::Strategy;
 
 use super::key_value;
 
@@ -62,6 +63,7 @@ Examples:
   wythe study zoo --seeds 1..200 --out zoo
   wythe study zoo --seeds 1,4,25 --limit 60 --fresh
   wythe study zoo --seeds 1..20 --reference     each beside a careful run
+  wythe study zoo --seeds 1..200 --strategy rigid --out zoo-rigid
   wythe study zoo --seeds 7 --decks-only";
 
 const ACCURACY_HELP: &str = "\
@@ -215,7 +217,10 @@ pub struct Zoo {
     /// Number of threads per wall.
     #[arg(long, value_name = "N", default_value = "1")]
     pub threads: NonZeroUsize,
-    /// Compare each wall with a careful run: a tenth of the increments, consistent tangents, a tenth of their
+    /// Modelling strategy of all walls.
+    #[arg(long, value_name = "NAME", default_value = "detailed", value_parser = strategy)]
+    pub strategy: Strategy,
+    /// Compare each wall with a careful run of the same strategy, except limit: a tenth of the increments, consistent tangents, a tenth of their
     /// tolerance.
     #[arg(long)]
     pub reference: bool,
@@ -223,13 +228,23 @@ pub struct Zoo {
     #[arg(long)]
     pub fresh: bool,
     /// Write decks only, without runs.
-    #[arg(long, conflicts_with_all = ["limit", "jobs", "threads", "reference", "fresh"])]
+    #[arg(long, conflicts_with_all = ["limit", "jobs", "threads", "strategy", "reference", "fresh"])]
     pub decks_only: bool,
 }
 
 impl Zoo {
     /// Default folder.
     pub const OUT: &str = "zoo";
+}
+
+/// Parses the name of a strategy.
+fn strategy(text: &str) -> Result<Strategy, String> {
+    let known = Strategy::ALL.into_iter();
+    let found = known.clone().find(|strategy| strategy.name() == text);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = known.map(Strategy::name).collect();
+        format!("one of {}", names.join(", "))
+    })
 }
 
 /// Parses a seed, or the first and the last of a range.

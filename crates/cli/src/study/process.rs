@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use wythe_core::deck::Strategy;
 use wythe_core::results::usage;
 
 /// Interval between two checks of the process.
@@ -56,10 +57,33 @@ pub fn run_of(
         "--threads".into(),
         threads.to_string().into(),
     ];
-    for (key, value) in set {
-        arguments.extend(["--set".into(), format!("{key}={value}").into()]);
-    }
+    arguments.extend(overrides(set));
     arguments
+}
+
+/// Arguments of `limit DECK --associated --out FOLDER` with these keys of the deck. Associated friction needs one
+/// program only, and its factor is an upper bound.
+pub fn limit_of(deck: &Path, folder: &Path, set: &[(String, String)]) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = vec![
+        "limit".into(),
+        deck.into(),
+        "--associated".into(),
+        "--out".into(),
+        folder.into(),
+    ];
+    arguments.extend(overrides(set));
+    arguments
+}
+
+/// `--set KEY=VALUE` of each key.
+fn overrides(set: &[(String, String)]) -> impl Iterator<Item = OsString> + '_ {
+    set.iter()
+        .flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()])
+}
+
+/// Key that a strategy sets in the deck.
+pub fn key_of(strategy: Strategy) -> (String, String) {
+    ("strategy".to_owned(), format!("\"{}\"", strategy.name()))
 }
 
 /// Runs a program. Returns none if the user stopped it. Files written by the process remain.

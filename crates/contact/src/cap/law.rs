@@ -53,6 +53,39 @@ impl Cap {
         (self.c * left - self.friction(left) * sigma).max(0.0)
     }
 
+    /// Return of a trial with the gap `gap` at the start of the step [mm] and the gap at its end (docs/theory/joint-cap.md,
+    /// eqs 13 and 14). The increment of the plastic opening has the change of the gap in it.
+    fn close(&self, trial: &Trial, gap: f64) -> (Returned, f64) {
+        let stays = !self.closes || gap == 0.0;
+        if stays || trial.sigma >= 0.0 {
+            let returned = self.return_map(trial);
+            if stays || returned.sigma >= 0.0 {
+                let grown = if self.closes { returned.gap } else { 0.0 };
+                return (returned, gap + grown);
+            }
+        }
+        // Open: no normal traction, whatever the opening.
+        let opening = trial.sigma / trial.stiffness[0];
+        let mut returned = self.return_map(&Trial {
+            sigma: 0.0,
+            stiffness: [0.0, trial.stiffness[1]],
+            ..*trial
+        });
+        let left_open = gap + opening - returned.opening;
+        if left_open >= 0.0 {
+            returned.opening = opening;
+            returned.slopes = [[0.0; 2], [0.0, returned.slopes[1][1]]];
+            return (returned, left_open);
+        }
+        // Closed: the faces meet within the step.
+        let mut returned = self.return_map(&Trial {
+            sigma: trial.sigma + trial.stiffness[0] * gap,
+            ..*trial
+        });
+        returned.opening -= gap;
+        (returned, returned.gap)
+    }
+
     /// Response to a trial traction that is returned with the given stiffness.
     fn answer(
         &self,
@@ -68,14 +101,17 @@ impl Cap {
         } else {
             Vector2::x()
         };
-        let returned = self.return_map(&Trial {
-            sigma: trial[0],
-            tau: size,
-            stiffness,
-            left: 1.0 - old.damage,
-            slip: old.slots[slot::SLIP],
-            crushing: old.slots[slot::CRUSHING],
-        });
+        let (returned, left_open) = self.close(
+            &Trial {
+                sigma: trial[0],
+                tau: size,
+                stiffness,
+                left: 1.0 - old.damage,
+                slip: old.slots[slot::SLIP],
+                crushing: old.slots[slot::CRUSHING],
+            },
+            old.slots[slot::GAP],
+        );
         let tau = returned.tau * n;
         let traction = [returned.sigma, tau.x, tau.y];
         let before = [
@@ -92,6 +128,7 @@ impl Cap {
         slots[slot::OPENING] = plastic[0];
         slots[slot::SLIP] += returned.friction_slip;
         slots[slot::CRUSHING] = returned.crushing;
+        slots[slot::GAP] = left_open;
         InterfaceResponse::new(
             old,
             gap,
@@ -175,13 +212,17 @@ impl JointLaw for Cap {
         &OUTPUTS
     }
 
-    /// A point that meets a face again has no bond. Its plastic opening from crushing and dilatancy remains.
+    /// A point that meets a face again has no bond and no gap. Its plastic opening from crushing and dilatancy remains.
     fn lost(&self, old: &InterfaceHistory) -> InterfaceHistory {
+        let mut slots = old.slots;
+        slots[slot::OPENING] -= slots[slot::GAP];
+        slots[slot::GAP] = 0.0;
         InterfaceHistory {
             slip: old.plastic_slip,
             damage: 1.0,
             traction: [0.0; 3],
-            opening: old.slots[slot::OPENING],
+            opening: slots[slot::OPENING],
+            slots,
             ..*old
         }
     }

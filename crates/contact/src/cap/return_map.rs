@@ -35,6 +35,8 @@ pub(super) struct Returned {
     pub slopes: [[f64; 2]; 2],
     /// Increment of the plastic opening [mm].
     pub opening: f64,
+    /// Part of it by tension λ₁ [mm].
+    pub gap: f64,
     /// Increment of the plastic slip along τ [mm].
     pub slip: f64,
     /// Increment of the slip on the friction surface λ₂ [mm].
@@ -366,6 +368,7 @@ impl Cap {
             sigma,
             tau,
             slopes,
+            gap: m.tension,
             opening: m.tension + m.friction * dilatancy + self.c_nn * m.cap * pressed,
             slip: m.friction + self.c_ss * m.cap * tau,
             friction_slip: m.friction,

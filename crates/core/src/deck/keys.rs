@@ -42,6 +42,7 @@ G_fc = "5 N/mm"
 kappa_p = "0.09 mm"
 C_nn = 1
 C_ss = 9
+closes = false
 tan_psi = 0.3
 sigma_u = "1.3 MPa"
 interfaces.delta => delta = "5 1/mm"

@@ -37,6 +37,15 @@ impl Load {
         }
     }
 
+    /// Nodes on which it acts; a node may come more than once.
+    pub fn nodes(&self) -> Vec<u32> {
+        match &self.acts {
+            LoadOn::Follower(facets) => facets.as_flattened().to_vec(),
+            LoadOn::Pressure(areas) => areas.iter().map(|(n, _)| *n).collect(),
+            LoadOn::Shares(shares) => shares.iter().map(|(n, _)| *n).collect(),
+        }
+    }
+
     /// Whether its value is a pressure.
     pub fn is_pressure(&self) -> bool {
         !matches!(self.acts, LoadOn::Shares(_))

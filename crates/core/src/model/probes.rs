@@ -28,6 +28,20 @@ impl Probe {
         let all = self.direction.iter().copied().enumerate();
         all.filter(|(_, part)| *part != 0.0)
     }
+
+    /// Derivatives of what a probe of displacements measures: node, axis, derivative by this displacement of the node.
+    /// A node may come more than once.
+    pub fn gradient(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let sides = [(&self.nodes, 1.0), (&self.minus, -1.0)];
+        sides.into_iter().flat_map(move |(nodes, sign)| {
+            let part = sign / nodes.len() as f64;
+            let of_node = move |&n: &u32| {
+                let all = self.components();
+                all.map(move |(axis, along)| (n as usize, axis, part * along))
+            };
+            nodes.iter().flat_map(of_node)
+        })
+    }
 }
 
 /// Quantity that a probe measures.

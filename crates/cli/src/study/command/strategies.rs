@@ -10,7 +10,7 @@ use crate::interrupt::Interrupt;
 use crate::plot::write;
 use crate::say::{print, tell};
 use crate::study::StudyError;
-use crate::study::strategies::{ALL, Options, Row, chart, page, strategies as run};
+use crate::study::strategies::{Options, Row, chart, page, strategies as run};
 use wythe_core::command::argument;
 use wythe_core::deck::{Deck, Strategy};
 
@@ -76,7 +76,7 @@ fn beside(deck: &Path) -> PathBuf {
 
 /// Strategies of these names; all if none is named.
 fn chosen(names: &[String]) -> Result<Vec<Strategy>, Failure> {
-    let known = || ALL.iter().map(|strategy| strategy.name());
+    let known = || Strategy::ALL.iter().map(|strategy| strategy.name());
     if let Some(name) = names
         .iter()
         .find(|name| !known().any(|k| k == name.as_str()))
@@ -90,7 +90,7 @@ fn chosen(names: &[String]) -> Result<Vec<Strategy>, Failure> {
     }
     let wanted =
         |strategy: &Strategy| names.is_empty() || names.iter().any(|name| name == strategy.name());
-    Ok(ALL.into_iter().filter(wanted).collect())
+    Ok(Strategy::ALL.into_iter().filter(wanted).collect())
 }
 
 /// Command that produces the page.

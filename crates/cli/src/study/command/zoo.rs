@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use crate::study::zoo::{Folder, Options, Wall, ZooRow, histogram, page, zoo as run};
 use wythe_core::command::argument;
+use wythe_core::deck::Strategy;
 
 use super::{failed, other};
 use crate::arguments::Zoo;
@@ -39,6 +40,7 @@ pub fn zoo(arguments: &Zoo, program: &[OsString]) -> Result<(), Failure> {
         limit: Duration::from_secs_f64(arguments.limit),
         jobs: arguments.jobs.map_or((cores / threads).max(1), usize::from),
         threads,
+        strategy: arguments.strategy,
         reference: arguments.reference,
         fresh: arguments.fresh,
     };
@@ -110,6 +112,9 @@ fn command(rows: &[ZooRow], arguments: &Zoo) -> String {
     let seeds: Vec<String> = ranges.iter().map(range).collect();
     let mut command = format!("wythe study zoo --seeds {}", seeds.join(","));
     command += &format!(" --limit {}", arguments.limit);
+    if arguments.strategy != Strategy::default() {
+        command += &format!(" --strategy {}", arguments.strategy.name());
+    }
     if arguments.reference {
         command += " --reference";
     }

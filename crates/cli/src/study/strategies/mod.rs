@@ -8,26 +8,18 @@ mod page;
 mod row;
 
 pub use page::{chart, page};
-pub use row::{Answer, Row};
+pub use row::{Answer, LimitLoad, Row};
 
 use std::ffi::OsString;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::process::{self, Call, run_of};
+use super::process::{self, Call, key_of, limit_of, run_of};
 use wythe_core::deck::Strategy;
 use wythe_core::error::IoError;
 use wythe_core::results::limit::TABLE;
 use wythe_core::results::output::{HISTORY, SUMMARY};
-
-/// Strategies in the order of the page, the reference last.
-pub const ALL: [Strategy; 4] = [
-    Strategy::Limit,
-    Strategy::Rigid,
-    Strategy::Simplified,
-    Strategy::Detailed,
-];
 
 /// What is run.
 #[derive(Clone, Debug)]
@@ -96,26 +88,15 @@ fn run(
     row.map(Some).map_err(|why| failed(&folder, why))
 }
 
-/// Arguments of the program. The limit analysis has associated friction: its program is one, and its factor an upper
-/// bound.
+/// Arguments of the program.
 fn arguments(options: &Options, strategy: Strategy, folder: &Path) -> Vec<OsString> {
-    if strategy != Strategy::Limit {
-        let mut set = options.set.clone();
-        set.push(("strategy".to_owned(), format!("\"{}\"", strategy.name())));
-        set.push(("output.mcap".to_owned(), "false".to_owned()));
-        return run_of(&options.deck, folder, &set, options.threads);
+    let mut set = options.set.clone();
+    if strategy == Strategy::Limit {
+        return limit_of(&options.deck, folder, &set);
     }
-    let mut arguments: Vec<OsString> = vec![
-        "limit".into(),
-        options.deck.clone().into(),
-        "--associated".into(),
-        "--out".into(),
-        folder.into(),
-    ];
-    for (key, value) in &options.set {
-        arguments.extend(["--set".into(), format!("{key}={value}").into()]);
-    }
-    arguments
+    set.push(key_of(strategy));
+    set.push(("output.mcap".to_owned(), "false".to_owned()));
+    run_of(&options.deck, folder, &set, options.threads)
 }
 
 fn failed(path: &Path, why: Error) -> IoError {

@@ -47,6 +47,21 @@ pub struct LimitLoad {
     pub live_load: String,
 }
 
+impl LimitLoad {
+    /// Reads the file of a limit analysis in `folder`; none if there is no such file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(folder: &Path) -> io::Result<Option<Self>> {
+        match std::fs::read_to_string(folder.join(TABLE)) {
+            Err(why) if why.kind() == io::ErrorKind::NotFound => Ok(None),
+            text => serde_json::from_str(&text?)
+                .map(Some)
+                .map_err(io::Error::other),
+        }
+    }
+}
+
 /// Figures of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Ran {
@@ -91,15 +106,13 @@ impl Row {
     }
 
     fn with_limit(self, folder: &Path) -> io::Result<Self> {
-        let text = match std::fs::read_to_string(folder.join(TABLE)) {
-            Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(self),
-            text => text?,
-        };
-        let found: LimitLoad = serde_json::from_str(&text).map_err(io::Error::other)?;
-        Ok(Self {
-            ended: format!("associated friction, dry joints: {}", found.live_load),
-            answer: Answer::Limit(found),
-            ..self
+        Ok(match LimitLoad::read(folder)? {
+            None => self,
+            Some(found) => Self {
+                ended: format!("associated friction, dry joints: {}", found.live_load),
+                answer: Answer::Limit(found),
+                ..self
+            },
         })
     }
 

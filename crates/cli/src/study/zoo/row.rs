@@ -8,8 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::reference::Difference;
 use super::wall::Wall;
 use crate::study::process::Ended;
+use crate::study::strategies::LimitLoad;
+use wythe_core::deck::Strategy;
 use wythe_core::error::IoError;
-use wythe_core::results::{ReadError, RunFolder, SummaryFile};
+use wythe_core::results::{RunFolder, SummaryFile};
 use wythe_core::state::EnergyBalance;
 
 /// Status of a run that exceeded its time limit and wrote no summary.
@@ -19,7 +21,8 @@ pub const REFUSED: &str = "refused";
 /// Status of a run that ended in another way.
 pub const CRASHED: &str = "crashed";
 /// Statuses in summaries of runs that reached an answer.
-const ANSWERS: [&str; 2] = ["completed", "collapsed"];
+const COMPLETED: &str = "completed";
+const ANSWERS: [&str; 2] = [COMPLETED, "collapsed"];
 
 /// Largest accepted energy imbalance [-].
 pub const ENERGY: f64 = 0.01;
@@ -67,7 +70,10 @@ pub struct ZooRow {
     pub joint_c_MPa: f64,
     /// Initial friction coefficient of the joints [-].
     pub joint_tan_phi: f64,
-    /// Status from the summary, or `OUT_OF_TIME`, `REFUSED`, `CRASHED`.
+    /// Modelling strategy.
+    #[serde(default = "detailed")]
+    pub strategy: String,
+    /// Status from the summary, `completed` for a limit analysis that found a load, or `OUT_OF_TIME`, `REFUSED`, `CRASHED`.
     pub status: String,
     /// Number of bodies; none for a run without a summary.
     pub units: Option<usize>,
@@ -109,6 +115,11 @@ pub struct ZooRow {
     pub message: String,
 }
 
+/// Strategy of rows without that column, which earlier versions wrote.
+fn detailed() -> String {
+    Strategy::Detailed.name().to_owned()
+}
+
 impl ZooRow {
     /// A row with the columns that describe the wall.
     pub fn of_wall(wall: &Wall) -> Self {
@@ -133,6 +144,7 @@ impl ZooRow {
             joint_f_t_MPa: mortar.map_or(0.0, |_| rounded(wall.bonding.f_t)),
             joint_c_MPa: mortar.map_or(0.0, |_| rounded(wall.bonding.c)),
             joint_tan_phi: rounded(wall.bonding.tan_phi),
+            strategy: detailed(),
             ..Self::default()
         }
     }
@@ -140,13 +152,20 @@ impl ZooRow {
     /// Adds the results of the run in `folder`: its summary, or without a summary the data of its history.
     ///
     /// # Errors
-    /// [`ReadError`]: the folder holds other files than those of a run.
-    pub fn took(&mut self, folder: &Path, ended: &Ended, limit_s: f64) -> Result<(), ReadError> {
+    /// The folder holds other files than those of a run or a limit analysis.
+    pub fn took(&mut self, folder: &Path, ended: &Ended, limit_s: f64) -> io::Result<()> {
         (self.cpu_s, self.limit_s) = (ended.cpu_s, limit_s);
         let open = RunFolder::open(folder).ok();
-        let summary = open.as_ref().map_or(Ok(None), RunFolder::summary)?;
+        let summary = open.as_ref().map_or(Ok(None), RunFolder::summary);
+        let summary = summary.map_err(io::Error::other)?;
         if let Some(summary) = summary {
             self.summarised(&summary);
+            return Ok(());
+        }
+        if let Some(found) = LimitLoad::read(folder)? {
+            COMPLETED.clone_into(&mut self.status);
+            self.peak_force_kN = found.force;
+            self.message = format!("factor {:.4} of {}", found.factor, found.live_load);
             return Ok(());
         }
         let status = match ended {
@@ -161,7 +180,7 @@ impl ZooRow {
         let Some(open) = open else {
             return Ok(());
         };
-        let history = open.history()?;
+        let history = open.history().map_err(io::Error::other)?;
         let (curve, mut energy) = (history.curve(), EnergyBalance::default());
         for row in &history.rows {
             energy.push(row);

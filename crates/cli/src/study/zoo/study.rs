@@ -10,11 +10,12 @@ use super::reference::{Difference, careful};
 use super::row::{OUT_OF_TIME, ZooRow, read, table};
 use super::wall::Wall;
 use crate::study::parallel::side_by_side;
-use crate::study::process::{self, Call, run_of};
-use wythe_core::deck::Deck;
+use crate::study::process::{self, Call, key_of, limit_of, run_of};
+use wythe_core::deck::{Deck, Strategy};
 use wythe_core::error::IoError;
 use wythe_core::files::write_whole;
 use wythe_core::model::Model;
+use wythe_core::results::limit::TABLE;
 use wythe_core::results::output::{HISTORY, SUMMARY};
 use wythe_core::results::{Curve, RunFolder};
 
@@ -35,10 +36,19 @@ pub struct Options {
     pub jobs: usize,
     /// Number of threads per run.
     pub threads: usize,
-    /// Whether walls are compared with careful runs.
+    /// Modelling strategy of all walls.
+    pub strategy: Strategy,
+    /// Whether walls are compared with careful runs of the same strategy. A limit analysis has none.
     pub reference: bool,
     /// Whether walls with a stored result are run again.
     pub fresh: bool,
+}
+
+impl Options {
+    /// Whether walls are compared with careful runs.
+    fn compares(&self) -> bool {
+        self.reference && self.strategy != Strategy::Limit
+    }
 }
 
 /// Folder of the study.
@@ -100,7 +110,7 @@ fn failed(path: &Path) -> impl Fn(std::io::Error) -> IoError {
 /// `stop` is called continually; walls that are not finished when it returns true leave no row.
 ///
 /// A wall has a result if the table has its row and its stored deck equals the deck of the seed. A wall that
-/// exceeded its time limit is run again if the limit is now larger.
+/// exceeded its time limit is run again if the limit is now larger, one of another strategy in any case.
 ///
 /// # Errors
 /// [`IoError`]: the folder cannot be written, its table cannot be read, or a process cannot be started.
@@ -120,11 +130,12 @@ pub fn zoo(
         let at = known.iter().position(|row| row.seed == seed);
         let before = at.map(|at| known[at].clone()).filter(|row| {
             let longer = row.status == OUT_OF_TIME && row.limit_s < limit;
-            !options.fresh && !longer && same()
+            let strategy = row.strategy == options.strategy.name();
+            !options.fresh && !longer && strategy && same()
         });
         let compared = |row: &ZooRow| {
             let longer = row.reference_status == OUT_OF_TIME && row.limit_s < limit;
-            !options.reference || !(row.reference_status.is_empty() || longer)
+            !options.compares() || !(row.reference_status.is_empty() || longer)
         };
         if before.as_ref().is_some_and(compared) {
             continue;
@@ -190,7 +201,7 @@ impl Zoo<'_> {
         // Without a model there is no reference run.
         let deck = Deck::from_str(&wall.deck, "zoo.toml").ok();
         let model = deck.and_then(|deck| Model::from_deck(&deck).ok());
-        if let (true, Some((model, _))) = (options.reference, model) {
+        if let (true, Some((model, _))) = (options.compares(), model) {
             let (out, limit) = (folder.reference(wall.seed), options.limit * LONGER);
             match self.run(wall, &out, &careful(&model), limit)? {
                 None => return Ok(None),
@@ -218,21 +229,17 @@ impl Zoo<'_> {
         limit: Duration,
     ) -> Result<Option<ZooRow>, IoError> {
         // Files of an earlier run would otherwise be read as the result of a run that is rejected and writes none.
-        for name in [HISTORY, SUMMARY] {
+        for name in [HISTORY, SUMMARY, TABLE] {
             let path = out.join(name);
             match std::fs::remove_file(&path) {
                 Err(why) if why.kind() != ErrorKind::NotFound => return Err(failed(&path)(why)),
                 _ => {}
             }
         }
-        // The message file is many times larger than the other files, and a study does not replay it.
-        let mut set = set.to_vec();
-        set.push(("output.mcap".to_owned(), "false".to_owned()));
         let program = &self.options.program;
-        let deck = self.folder.deck(wall.seed);
         let call = Call {
             program,
-            arguments: &run_of(&deck, out, &set, self.options.threads),
+            arguments: &self.arguments(wall, out, set),
             limit,
         };
         let ended = process::run(&call, self.stop);
@@ -249,9 +256,28 @@ impl Zoo<'_> {
             return Ok(None);
         }
         let mut row = ZooRow::of_wall(wall);
+        self.options.strategy.name().clone_into(&mut row.strategy);
         row.took(out, &ended, limit.as_secs_f64())
-            .map_err(|why| failed(out)(std::io::Error::other(why)))?;
+            .map_err(failed(out))?;
         Ok(Some(row))
+    }
+
+    /// Arguments of the program for a wall, with these keys of its deck.
+    fn arguments(&self, wall: &Wall, out: &Path, set: &[(String, String)]) -> Vec<OsString> {
+        let Options {
+            strategy, threads, ..
+        } = *self.options;
+        let deck = self.folder.deck(wall.seed);
+        if strategy == Strategy::Limit {
+            return limit_of(&deck, out, set);
+        }
+        let mut set = set.to_vec();
+        if strategy != Strategy::default() {
+            set.push(key_of(strategy));
+        }
+        // The message file is many times larger than the other files, and a study does not replay it.
+        set.push(("output.mcap".to_owned(), "false".to_owned()));
+        run_of(&deck, out, &set, threads)
     }
 }
 
@@ -274,6 +300,7 @@ mod tests {
             limit: Duration::from_secs(60),
             jobs: 2,
             threads: 1,
+            strategy: Strategy::Detailed,
             reference: false,
             fresh: false,
         }
@@ -305,6 +332,12 @@ mod tests {
         // The stored deck differs from that of the seed: the row belongs to another wall.
         std::fs::write(folder.deck(2), "format = 1\n").unwrap();
         assert_eq!(ran(&[1, 2, 3], &refused), (vec![1, 2, 3], 1));
+        let rigid = Options {
+            strategy: Strategy::Rigid,
+            ..options(2)
+        };
+        assert_eq!(ran(&[1], &rigid), (vec![1, 2, 3], 1));
+        assert_eq!(ran(&[1, 2], &refused), (vec![1, 2, 3], 1));
         // A missing reference is computed once.
         let reference = Options {
             reference: true,

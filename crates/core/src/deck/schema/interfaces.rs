@@ -56,6 +56,9 @@ pub struct Interface {
     pub C_nn: Option<Number>,
     /// Weight of the shear traction in the cap C_ss [-]; of `cap`, 9 if absent.
     pub C_ss: Option<Number>,
+    /// Whether an opened joint closes without traction until its faces meet; of `cap`, true if absent. Otherwise it
+    /// unloads elastically and meets at its plastic opening (Lourenço & Rots 1997).
+    pub closes: Option<bool>,
     /// Dilatancy tan ψ₀ at the start of slip, without normal stress [-]; of `cap`, 0 if absent.
     pub tan_psi: Option<Number>,
     /// Pressure σ_u above which slip does not dilate [MPa]; of `cap`, unlimited if absent.
@@ -183,6 +186,7 @@ impl Interface {
             }),
             c_nn,
             c_ss,
+            closes: self.closes.unwrap_or(true),
         }
     }
 

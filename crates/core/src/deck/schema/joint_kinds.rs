@@ -61,12 +61,13 @@ const COHESIVE: &[JointKind] = &[JointKind::CohesiveFrictional];
 const CAP: &[JointKind] = &[JointKind::Cap];
 
 /// All keys that only some kinds read.
-pub(super) const KIND_KEYS: [KindKey; 13] = [
+pub(super) const KIND_KEYS: [KindKey; 14] = [
     key("f_m", CAP, |f| f.f_m.is_some()),
     key("G_fc", CAP, |f| f.G_fc.is_some()),
     key("kappa_p", CAP, |f| f.kappa_p.is_some()),
     key("C_nn", CAP, |f| f.C_nn.is_some()),
     key("C_ss", CAP, |f| f.C_ss.is_some()),
+    key("closes", CAP, |f| f.closes.is_some()),
     key("tan_psi", CAP, |f| f.tan_psi.is_some()),
     key("sigma_u", CAP, |f| f.sigma_u.is_some()),
     key("delta", CAP, |f| f.delta.is_some()),

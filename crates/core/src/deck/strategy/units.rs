@@ -85,6 +85,7 @@ impl Solid {
             kappa_p: Some(Length::new(peak)),
             C_nn: None,
             C_ss: Some(Number::new(weight(c, s.f_c, friction))),
+            closes: None,
             tan_psi: None,
             sigma_u: None,
             delta: None,

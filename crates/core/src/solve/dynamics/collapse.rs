@@ -4,9 +4,11 @@
 //! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
 //! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
 //! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
-//! then ends: it seeks an equilibrium, and there is none. A step that drives, or whose load a displacement steers,
-//! continues until falling bodies have more than half of the mass of all bodies without support, because stones may
-//! fall off a wall that still carries load.
+//! then ends: it seeks an equilibrium, and there is none. So does a step whose load a displacement steers if this load
+//! acts on a body that falls, or that has moved by [`AT_END`] of its edge while the kinetic energy grows and exceeds
+//! the elastic energy: the body no longer resists the load. Otherwise a step that drives or steers continues
+//! until falling bodies have more than half of the mass of all bodies without support, because stones may fall off a
+//! wall that still carries load.
 //! Procedures with inertia that the deck names are never ended, because their motion is the result.
 
 use serde::{Deserialize, Serialize};
@@ -26,8 +28,12 @@ use crate::state::{Fall, FallenBody, Status};
 
 /// Part of the unsupported mass that must fall before a step that drives ends.
 const MOST: f64 = 0.5;
-/// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run.
+/// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run, or
+/// under a steered load.
 const AT_END: f64 = 0.1;
+/// Change of a steered load factor since the last equilibrium, over the largest one in equilibrium, beyond which the
+/// load is held.
+const RUNAWAY: f64 = 2.0;
 /// Part of the largest displacement from which further bodies are named.
 const NAMED: f64 = 0.5;
 
@@ -42,6 +48,8 @@ pub(in crate::solve) struct LastEquilibrium {
     spring_ends: Vec<[f64; 3]>,
     /// Whether the kinetic energy grew in the last increment.
     hastens: bool,
+    /// Whether the load factor is held since, because the displacement that steers it cannot be followed.
+    holds_load: bool,
 }
 
 impl LastEquilibrium {
@@ -63,6 +71,8 @@ struct Moved {
     mass: f64,
     /// Whether one of its nodes is held in all directions.
     held: bool,
+    /// Whether a load that changes in the step acts on it.
+    loaded: bool,
 }
 
 impl Moved {
@@ -80,7 +90,33 @@ impl Run<'_> {
             q: self.state.q.clone(),
             spring_ends: self.state.spring_ends.clone(),
             hastens: false,
+            holds_load: false,
         });
+    }
+
+    /// Load factor that is held in the next increment; none if loads or a displacement are prescribed.
+    pub(in crate::solve) fn held_load(&self, step_run: &StepRun, method: Method) -> Option<f64> {
+        let last_equilibrium = self.last_equilibrium.as_ref()?;
+        let steered = step_run.step.control.is_some() && method == Method::QuasiStatic;
+        (steered && last_equilibrium.holds_load).then_some(last_equilibrium.load_factor)
+    }
+
+    /// Whether an increment with inertia has a load factor beyond all that the step needed in equilibrium
+    /// (docs/theory/procedures.md, eq. 10); the load is held from then on.
+    pub(in crate::solve) fn holds_load(
+        &mut self,
+        step_run: &StepRun,
+        method: Method,
+        load: f64,
+    ) -> bool {
+        let steered = step_run.step.control.is_some() && method == Method::QuasiStatic;
+        let Some(last_equilibrium) = self.last_equilibrium.as_mut().filter(|_| steered) else {
+            return false;
+        };
+        let beyond = (load - last_equilibrium.load_factor).abs() > RUNAWAY * step_run.most_load;
+        let begins = beyond && !last_equilibrium.holds_load;
+        last_equilibrium.holds_load |= beyond;
+        begins
     }
 
     /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `before`: kinetic
@@ -99,7 +135,8 @@ impl Run<'_> {
         let Some(last_equilibrium) = &mut self.last_equilibrium else {
             return false;
         };
-        last_equilibrium.hastens = energies.kinetic > before;
+        let hastens = energies.kinetic > before;
+        last_equilibrium.hastens = hastens;
         if energies.moving() <= QUIET {
             return false;
         }
@@ -112,7 +149,13 @@ impl Run<'_> {
             bodies.map(|body| body.mass).sum()
         };
         let fallen = mass(&falls);
-        let collapsed = if prescribes(step_run.step) {
+        let steered = step_run.step.control.is_some();
+        let flies = hastens && energies.kinetic > energies.elastic;
+        let part = if flies { AT_END } else { 1.0 };
+        let gives_way = |body: &Moved| body.loaded && body.way() > part * body.edge + driven;
+        let collapsed = if steered && bodies.iter().any(gives_way) {
+            true
+        } else if prescribes(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
             fallen > 0.0
@@ -187,7 +230,14 @@ impl Run<'_> {
         for (now, then) in state.spring_ends.iter().zip(&last_equilibrium.spring_ends) {
             driven = driven.max(length([0, 1, 2].map(|i| now[i] - then[i])));
         }
-        Some((moved(self.model, &self.system, &u), driven))
+        let step = &self.model.steps[step];
+        // A probe that steers the load is driven; while the load is held it moves with the bodies.
+        if let (Some(control), false) = (step.control, last_equilibrium.holds_load) {
+            let probe = &self.model.probes[control.probe];
+            let way = probe.gradient().map(|(n, axis, part)| part * u[n][axis]);
+            driven = driven.max(way.sum::<f64>().abs());
+        }
+        Some((moved(self.model, &self.system, step, &u), driven))
     }
 
     /// Fall of the bodies with the largest displacements: at least half of the largest one, and that of the drive.
@@ -228,9 +278,23 @@ fn prescribes(step: &Step) -> bool {
     drives(step) || step.control.is_some()
 }
 
-/// Mean displacement, size and mass of each body. `[unit]`
-fn moved(model: &Model, system: &System, u: &[[f64; 3]]) -> Vec<Moved> {
+/// Whether a load that changes in the step acts on a node. `[node]`
+fn loaded(model: &Model, step: &Step) -> Vec<bool> {
+    let mut loaded = vec![false; model.mesh.nodes.len()];
+    for (load, value) in model.loads.iter().zip(&step.loads) {
+        if value.is_some() {
+            for n in load.nodes() {
+                loaded[n as usize] = true;
+            }
+        }
+    }
+    loaded
+}
+
+/// Mean displacement, size, mass and loads in the step of each body. `[unit]`
+fn moved(model: &Model, system: &System, step: &Step, u: &[[f64; 3]]) -> Vec<Moved> {
     let mesh = &model.mesh;
+    let loaded = loaded(model, step);
     let units = mesh.unit.iter().max().map_or(0, |unit| *unit as usize + 1);
     let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; units];
     let mut bodies: Vec<Moved> = (0..units)
@@ -240,6 +304,7 @@ fn moved(model: &Model, system: &System, u: &[[f64; 3]]) -> Vec<Moved> {
             count: 0.0,
             mass: 0.0,
             held: false,
+            loaded: false,
         })
         .collect();
     // Bodies share no nodes.
@@ -253,6 +318,7 @@ fn moved(model: &Model, system: &System, u: &[[f64; 3]]) -> Vec<Moved> {
             body.count += 1.0;
             body.mass += system.mass.node[n];
             body.held |= system.dofs.slot[n] == [HELD; 3];
+            body.loaded |= loaded[n];
             for i in 0..3 {
                 body.by[i] += u[n][i];
                 own[0][i] = own[0][i].min(mesh.nodes[n][i]);

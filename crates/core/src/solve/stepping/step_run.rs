@@ -34,6 +34,8 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) watch: Option<Watch>,
     /// Whether the step ended early.
     pub(in crate::solve) stopped: bool,
+    /// Largest size of the load factor in an equilibrium of the step [-].
+    pub(in crate::solve) most_load: f64,
     /// Watches for peaks between the increments.
     pub(in crate::solve) peak: PeakWatch,
     pub(in crate::solve) snap: SnapRun,
@@ -157,6 +159,7 @@ impl<'m> StepRun<'m> {
             repeat: true,
             watch: None,
             stopped: false,
+            most_load: 0.0,
             peak: PeakWatch::default(),
             snap: SnapRun {
                 beyond: None,
@@ -175,12 +178,8 @@ impl<'m> StepRun<'m> {
         };
         let probe = &model.probes[control.probe];
         let mut nodal = vec![[0.0; 3]; system.bulk.reference.len()];
-        for (nodes, sign) in [(&probe.nodes, 1.0), (&probe.minus, -1.0)] {
-            for &n in nodes {
-                for (axis, part) in probe.components() {
-                    nodal[n as usize][axis] += sign * part / nodes.len() as f64;
-                }
-            }
+        for (n, axis, part) in probe.gradient() {
+            nodal[n][axis] += part;
         }
         let mut gradient = vec![0.0; system.dofs.slots];
         system.dofs.collect(&nodal, &mut gradient);
