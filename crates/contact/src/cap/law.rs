@@ -129,7 +129,7 @@ impl Cap {
         slots[slot::SLIP] += returned.friction_slip;
         slots[slot::CRUSHING] = returned.crushing;
         slots[slot::GAP] = left_open;
-        InterfaceResponse::new(
+        let mut response = InterfaceResponse::new(
             old,
             gap,
             traction,
@@ -139,7 +139,9 @@ impl Cap {
             slots,
             self.stiffness(),
             self.opens_at(),
-        )
+        );
+        response.dissipation -= self.crossing_work(old, &response.history);
+        response
     }
 }
 
@@ -206,6 +208,12 @@ impl JointLaw for Cap {
         response.history.opening_max = old.opening_max.max(opening);
         response.tangent = symmetric_blocks(&response.tangent, soft);
         response
+    }
+
+    /// Work of the trapezoidal rule on a gap that closes: no traction acts on it.
+    fn crossing_work(&self, old: &InterfaceHistory, new: &InterfaceHistory) -> f64 {
+        let closed = (new.slots[slot::GAP] - old.slots[slot::GAP]).min(0.0);
+        0.5 * (old.traction[0] + new.traction[0]) * closed
     }
 
     fn outputs(&self) -> &'static [Output] {
