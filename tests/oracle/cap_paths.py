@@ -82,11 +82,11 @@ CAP_CASES = [
     ),
     JointCase(
         "cap_closing_to_and_fro",
-        "opened, closed and pressed, opened further with slip, slid while it closes, pressed, opened",
+        "opened, closed and pressed, opened further with slip, slid while the gap closes, pressed, slid, opened",
         CLOSING,
         legs(
-            (16, 0.03, 0, 0), (24, -0.01, 0, 0), (24, 0.08, 0.02, 0.01), (24, -0.02, 0.06, -0.02),
-            (16, -0.04, 0.06, 0.05), (16, 0.05, 0.06, 0.05),
+            (16, 0.03, 0, 0), (24, -0.01, 0, 0), (24, 0.08, 0.02, 0.01), (16, 0.04, 0.06, -0.02),
+            (16, -0.02, 0.06, -0.02), (16, -0.04, 0.06, 0.05), (16, 0.05, 0.06, 0.05),
         ),
     ),
     JointCase(

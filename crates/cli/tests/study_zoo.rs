@@ -75,6 +75,34 @@ fn walls_come_to_an_answer_with_closed_energies_at_a_bounded_cost() {
 }
 
 #[test]
+fn walls_are_run_by_each_strategy() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |strategy: &str, seeds: &str| {
+        let out = folder.path().join(strategy);
+        let more = ["--strategy", strategy, "--seeds", seeds, "--limit", "60"];
+        let run = zoo(&out, &[&more[..], &["--jobs", "2"]].concat());
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+        let page = std::fs::read_to_string(out.join("zoo.md")).unwrap();
+        assert_eq!(
+            page.contains(&format!("--strategy {strategy}")),
+            strategy != "detailed"
+        );
+        std::fs::read_to_string(out.join("zoo.csv")).unwrap()
+    };
+    for strategy in ["rigid", "simplified"] {
+        let table = run(strategy, "6,9,12,28");
+        assert_eq!(texts(&table, "status"), ["completed"; 4], "{strategy}");
+        assert_eq!(texts(&table, "strategy"), [strategy; 4]);
+    }
+    // Seed 10 is locked between its beams: rigid units carry any force.
+    let table = run("limit", "10,12");
+    assert_eq!(texts(&table, "status"), ["refused", "completed"]);
+    let messages = texts(&table, "message");
+    assert!(messages[0].contains("carry any factor") && messages[1].contains("factor"));
+    assert!(texts(&table, "peak_force_kN")[1].parse::<f64>().unwrap() > 0.0);
+}
+
+#[test]
 fn decks_are_written_without_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let run = zoo(folder.path(), &["--seeds", "3..5,4,9", "--decks-only"]);

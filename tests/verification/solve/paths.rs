@@ -514,3 +514,19 @@ fn inertia_carries_a_brick_that_falls_while_a_displacement_steers_the_load() {
         assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
     }
 }
+
+#[test]
+fn a_brick_on_which_the_steered_load_acts_ends_the_run_where_it_falls() {
+    let pulled =
+        "[[steps.loads]]\nname = \"pull\"\non = \"brick.bottom\"\nforce = [0, 0, \"-0.01 N\"]\n";
+    let deck = Deck::from_str(&format!("{HANGING_BRICK}{pulled}"), "brick.toml").unwrap();
+    let (model, _) = Model::from_deck(&deck).unwrap();
+    let (recording, summary) = scene::run(&model);
+    assert_eq!(summary.status, Status::Collapsed, "{}", summary.message);
+    let fallen = summary.fall.as_ref().unwrap();
+    assert_eq!(fallen.bodies.len(), 1);
+    assert_eq!(fallen.bodies[0].name, "brick");
+    // It has moved by a tenth of its edge at least, and the drive is not at its end.
+    assert!(fallen.bodies[0].moved_mm > 5.0);
+    assert!(recording.rows.last().unwrap().probes[0] < 1.9);
+}

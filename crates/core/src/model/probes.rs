@@ -34,10 +34,10 @@ impl Probe {
     pub fn gradient(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let sides = [(&self.nodes, 1.0), (&self.minus, -1.0)];
         sides.into_iter().flat_map(move |(nodes, sign)| {
-            let part = sign / nodes.len() as f64;
+            let count = nodes.len() as f64;
             let of_node = move |&n: &u32| {
                 let all = self.components();
-                all.map(move |(axis, along)| (n as usize, axis, part * along))
+                all.map(move |(axis, along)| (n as usize, axis, sign * along / count))
             };
             nodes.iter().flat_map(of_node)
         })

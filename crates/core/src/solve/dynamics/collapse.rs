@@ -31,9 +31,6 @@ const MOST: f64 = 0.5;
 /// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run, or
 /// under a steered load.
 const AT_END: f64 = 0.1;
-/// Change of a steered load factor since the last equilibrium, over the largest one in equilibrium, beyond which the
-/// load is held.
-const RUNAWAY: f64 = 2.0;
 /// Part of the largest displacement from which further bodies are named.
 const NAMED: f64 = 0.5;
 
@@ -48,8 +45,6 @@ pub(in crate::solve) struct LastEquilibrium {
     spring_ends: Vec<[f64; 3]>,
     /// Whether the kinetic energy grew in the last increment.
     hastens: bool,
-    /// Whether the load factor is held since, because the displacement that steers it cannot be followed.
-    holds_load: bool,
 }
 
 impl LastEquilibrium {
@@ -90,33 +85,7 @@ impl Run<'_> {
             q: self.state.q.clone(),
             spring_ends: self.state.spring_ends.clone(),
             hastens: false,
-            holds_load: false,
         });
-    }
-
-    /// Load factor that is held in the next increment; none if loads or a displacement are prescribed.
-    pub(in crate::solve) fn held_load(&self, step_run: &StepRun, method: Method) -> Option<f64> {
-        let last_equilibrium = self.last_equilibrium.as_ref()?;
-        let steered = step_run.step.control.is_some() && method == Method::QuasiStatic;
-        (steered && last_equilibrium.holds_load).then_some(last_equilibrium.load_factor)
-    }
-
-    /// Whether an increment with inertia has a load factor beyond all that the step needed in equilibrium
-    /// (docs/theory/procedures.md, eq. 10); the load is held from then on.
-    pub(in crate::solve) fn holds_load(
-        &mut self,
-        step_run: &StepRun,
-        method: Method,
-        load: f64,
-    ) -> bool {
-        let steered = step_run.step.control.is_some() && method == Method::QuasiStatic;
-        let Some(last_equilibrium) = self.last_equilibrium.as_mut().filter(|_| steered) else {
-            return false;
-        };
-        let beyond = (load - last_equilibrium.load_factor).abs() > RUNAWAY * step_run.most_load;
-        let begins = beyond && !last_equilibrium.holds_load;
-        last_equilibrium.holds_load |= beyond;
-        begins
     }
 
     /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `before`: kinetic
@@ -231,8 +200,7 @@ impl Run<'_> {
             driven = driven.max(length([0, 1, 2].map(|i| now[i] - then[i])));
         }
         let step = &self.model.steps[step];
-        // A probe that steers the load is driven; while the load is held it moves with the bodies.
-        if let (Some(control), false) = (step.control, last_equilibrium.holds_load) {
+        if let Some(control) = step.control {
             let probe = &self.model.probes[control.probe];
             let way = probe.gradient().map(|(n, axis, part)| part * u[n][axis]);
             driven = driven.max(way.sum::<f64>().abs());

@@ -80,7 +80,6 @@ struct Mark {
     relaxations: Relaxations,
     damage_rate: f64,
     stopped: bool,
-    most_load: f64,
 }
 
 impl Mark {
@@ -238,7 +237,6 @@ impl<'m> Run<'m> {
                 relaxations: step_run.snap.relaxations,
                 damage_rate: step_run.snap.damage_rate,
                 stopped: step_run.stopped,
-                most_load: step_run.most_load,
             },
             summary: self.summary.clone(),
             clock: self.clock + step_run.newton.clock,
@@ -346,7 +344,6 @@ impl<'m> Run<'m> {
             _ => return Err(unfit("the step drives something else")),
         }
         step_run.stopped = stopped;
-        step_run.most_load = mark.most_load;
         Ok(step_run)
     }
 }

@@ -189,9 +189,6 @@ impl<'m> Run<'m> {
             let (before, time) = (step_run.attempts.solves, self.state.time);
             let index = step_run.index;
             let part = step_run.part(&request);
-            let held = self.held_load(&step_run, request.method);
-            let steering = step_run.path.control.as_ref().filter(|_| held.is_none());
-            let end = step_run.branch.of.factor(request.increment.end());
             let mut tell = |count| recorder.progress(index, time, before + count);
             let outcome = step_run.newton.converge(&mut Problem {
                 system: &mut self.system,
@@ -200,21 +197,17 @@ impl<'m> Run<'m> {
                 attempt: Attempt {
                     increment: request.increment,
                     load: step_run.load,
-                    load_end: held.unwrap_or(end),
+                    load_end: step_run.branch.of.factor(request.increment.end()),
                     repeat: step_run.repeat,
-                    advance: request.advance(&step_run.path.measure, steering, part),
+                    advance: request.advance(
+                        &step_run.path.measure,
+                        step_run.path.control.as_ref(),
+                        part,
+                    ),
                 },
                 solves: Solves::new(&mut tell),
             });
             let go_on = match outcome {
-                Outcome::Converged(report)
-                    if self.holds_load(&step_run, request.method, report.load_factor) =>
-                {
-                    step_run.attempts.solves += report.iterations;
-                    self.cut_back(&mut step_run);
-                    self.note(&step_run, HELD, recorder);
-                    true
-                }
                 Outcome::Converged(report)
                     if self.try_as_shock(&mut step_run, request)
                         || self.repeat_for_peak(&mut step_run, request, report) =>
@@ -311,9 +304,6 @@ impl<'m> Run<'m> {
         let size = request.increment.size;
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
-        if !request.method.has_inertia() {
-            step_run.most_load = step_run.most_load.max(report.load_factor.abs());
-        }
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
         let carried = self.count(step_run, request.method, &row);
@@ -524,10 +514,6 @@ impl<'m> Run<'m> {
         ];
     }
 }
-
-/// Message where a steered load is held.
-const HELD: &str = "the load would have to leave all bounds for the steering displacement: it is held at that of the last \
-                    equilibrium until the bodies rest or fall";
 
 /// Stiffness along the displacement that steers the load of a step, for secant tangents (docs/theory/procedures.md,
 /// eq. 6).

@@ -34,8 +34,6 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) watch: Option<Watch>,
     /// Whether the step ended early.
     pub(in crate::solve) stopped: bool,
-    /// Largest size of the load factor in an equilibrium of the step [-].
-    pub(in crate::solve) most_load: f64,
     /// Watches for peaks between the increments.
     pub(in crate::solve) peak: PeakWatch,
     pub(in crate::solve) snap: SnapRun,
@@ -159,7 +157,6 @@ impl<'m> StepRun<'m> {
             repeat: true,
             watch: None,
             stopped: false,
-            most_load: 0.0,
             peak: PeakWatch::default(),
             snap: SnapRun {
                 beyond: None,
