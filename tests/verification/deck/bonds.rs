@@ -211,6 +211,133 @@ fn walls_that_meet_interlock() {
     }
 }
 
+/// Two walls that meet at the end of the first one, the second turned by this angle: their outer faces meet in a line.
+fn corner_deck(turn: f64, more: &str) -> String {
+    format!(
+        "[wall]\nclamped = false\n{BRICK}length = 1215.0\ncourses = 4\nmesh = [3, 2, 1]\n[[walls]]\nname = \
+         \"return\"\nat = [1215.0, 0, 0]\nrotate = {{ axis = \"z\", angle = {turn} }}\n{BRICK}length = 1215.0\n\
+         courses = 4\nmesh = [3, 2, 1]\n{more}\n[[supports]]\non = [\"wall.bottom\", \"return.bottom\"]"
+    )
+}
+
+/// Area of all facets of `facets` for which `holds` is true of all corners [mm²].
+fn area_where(model: &Model, facets: &[[u32; 4]], holds: impl Fn([f64; 3]) -> bool) -> f64 {
+    let of = |facet: &&[u32; 4]| nodes(model, **facet).iter().all(|x| holds((*x).into()));
+    facets.iter().filter(of).map(|f| area(model, *f)).sum()
+}
+
+/// Walls that meet at any angle fill the corner, bed joints cover all of it, and in every course one wall ends at the
+/// other.
+#[test]
+fn walls_that_meet_at_an_angle_interlock() {
+    const THICKNESS: f64 = 102.5;
+    let height = 4.0 * 65.0 + 3.0 * 10.0;
+    for turn in [30.0_f64, 45.0, 60.0, 90.0, 117.0, 135.0, 150.0] {
+        for more in ["", "corners = \"butted\""] {
+            let model = model(&corner_deck(turn, more));
+            let (sine, cosine) = turn.to_radians().sin_cos();
+            let mesh = &model.mesh;
+            // Both strips, less the rhombus that they share.
+            let strip = 1215.0 * THICKNESS + 0.5 * THICKNESS.powi(2) * cosine / sine;
+            let plan = 2.0 * strip - THICKNESS.powi(2) / sine;
+            let volume: f64 = (0..mesh.elements.len()).map(|e| mesh.volume(e)).sum();
+            // Rounding of sums of a thousand volumes.
+            assert!(
+                (volume / (plan * height) - 1.0).abs() < 1e-9,
+                "{turn} degrees: {volume}"
+            );
+            let slaves = &model.contact.slave_facets;
+            for (k, level) in [75.0, 150.0, 225.0].into_iter().enumerate() {
+                let bed = area_where(&model, slaves, |x| (x[2] - level).abs() < 1e-6);
+                assert!(
+                    (bed / plan - 1.0).abs() < 1e-9,
+                    "{turn} degrees, course {k}: {bed} of {plan}"
+                );
+            }
+            // Distance from the inner face of each wall; the joints of the wall that ends lie on it.
+            let ends = |x: [f64; 3]| {
+                let of_second = -sine * (x[0] - 1215.0) + cosine * x[1];
+                (
+                    (x[1] - THICKNESS).abs() < 1e-6,
+                    (of_second - THICKNESS).abs() < 1e-6,
+                )
+            };
+            // The joints lie beside the corner.
+            let inner = (turn / 2.0).to_radians().tan() * THICKNESS;
+            let of_joint = |second: bool| {
+                area_where(&model, slaves, |x| {
+                    let (on_first, on_second) = ends(x);
+                    let beside = x[0] > 1215.0 - inner - 3.0 * THICKNESS;
+                    beside && if second { on_first } else { on_second }
+                })
+            };
+            // The return ends at the wall in odd courses, or in all; the joint is as high as its unit and bed joint.
+            let width = THICKNESS / sine;
+            let (odd, even) = (width * (75.0 + 65.0), width * (75.0 + 75.0));
+            let expected = if more.is_empty() {
+                [odd, even]
+            } else {
+                [0.0, odd + even]
+            };
+            let [by_wall, by_return] = [of_joint(false), of_joint(true)];
+            let found = [by_wall, by_return];
+            let sum: f64 = found.iter().sum();
+            assert!(
+                (sum / (odd + even) - 1.0).abs() < 1e-9,
+                "{turn} degrees: {found:?}, {expected:?}"
+            );
+            assert_eq!(
+                found[0] == 0.0,
+                expected[0] == 0.0,
+                "{turn} degrees: {found:?}"
+            );
+        }
+    }
+}
+
+/// A wall turned by 90 degrees is the mirror image of one along y.
+#[test]
+fn a_turned_return_is_one_along_y() {
+    let turned = model(&corner_deck(90.0, ""));
+    let along = model(&format!(
+        "[wall]\nclamped = false\n{BRICK}length = 1215.0\ncourses = 4\nmesh = [3, 2, 1]\n[[walls]]\nname = \
+         \"return\"\nat = [1112.5, 0, 0]\nalong = \"y\"\n{BRICK}length = 1215.0\ncourses = 4\nmesh = [3, 2, 1]\n\
+         [[supports]]\non = [\"wall.bottom\", \"return.bottom\"]"
+    ));
+    let slaves = |model: &Model| -> f64 {
+        let facets = &model.contact.slave_facets;
+        facets.iter().map(|f| area(model, *f)).sum()
+    };
+    let (a, b) = (slaves(&turned), slaves(&along));
+    assert!((a / b - 1.0).abs() < 1e-12, "{a}, {b}");
+    assert_eq!(turned.mesh.elements.len(), along.mesh.elements.len());
+    assert_eq!(turned.contact.laws.len(), along.contact.laws.len());
+}
+
+/// Walls that end within another, are too sharp or too close are refused with the values that would do.
+#[test]
+fn corners_that_cannot_be_built_are_named() {
+    let refused = |walls: &str| {
+        let text = format!("{MATERIALS}{walls}\n{STEP}");
+        let built = Deck::from_str(&text, "wall.toml").and_then(|deck| Model::from_deck(&deck));
+        built.err().map(|e| e.to_string()).unwrap_or_default()
+    };
+    let short = refused(&corner_deck(60.0, "").replacen("length = 1215.0", "length = 1200", 1));
+    assert!(
+        short.contains("wall ends within return, 15.00 mm before its outer face"),
+        "{short}"
+    );
+    let behind = refused(
+        &corner_deck(60.0, "").replace("at = [1215.0, 0, 0]", "at = [1220.0, 8.660254, 0]"),
+    );
+    assert!(behind.contains("return begins within wall"), "{behind}");
+    let sharp = refused(&corner_deck(20.0, ""));
+    assert!(sharp.contains("at an angle of 20.0 degrees"), "{sharp}");
+    let uneven =
+        refused(&corner_deck(60.0, "").replace("at = [1215.0, 0, 0]", "at = [1215.0, 0, 5]"));
+    assert!(uneven.contains("courses are not level"), "{uneven}");
+}
+
 #[test]
 fn dry_units_touch_with_their_faces() {
     let wall = "[wall]

@@ -173,7 +173,7 @@ impl<'a> Bodies<'a> {
         let (Some(a), Some(b)) = (of(a), of(b)) else {
             return false;
         };
-        a == b || self.walls[a].joined.contains(&b)
+        a == b || self.walls[a].meets(b)
     }
 
     /// Names of all bodies. `[number in the mesh]`
@@ -230,13 +230,8 @@ impl<'a> Bodies<'a> {
             let materials = [own, mortar.unwrap_or(own)];
             let lines = lines.as_ref().map(|lines| &lines[i]);
             let mut body = masonry::append(&mut self.mesh, &wall, laid, materials, lines);
-            if let Some(rotation) = said.rotate {
-                let at = said.at.map(Quantity::get);
-                let turned = |x: [f64; 3]| {
-                    let x = rotation.turn([0, 1, 2].map(|d| x[d] - at[d]));
-                    [0, 1, 2].map(|d| at[d] + x[d])
-                };
-                body.place(&mut self.mesh, turned);
+            if !wall.placement.is_identity() {
+                body.place(&mut self.mesh, |x| wall.placement.to_scene(x));
             }
             self.all.push(body);
         }

@@ -1,7 +1,7 @@
 //! Checks of the physics of a model before it is run.
 
 use super::magnitudes::magnitudes;
-use super::masonry::{Masonry, Unit};
+use super::masonry::{Corner, Masonry, Unit};
 use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
 use super::{rounding, tables};
 use crate::element::extent;
@@ -298,7 +298,10 @@ fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
 fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
     let (along, _) = masonry.wall.axes();
     let joint = masonry.wall.head_joint.get();
-    let wide = |u: &&Unit| u.joint(along, true) > joint + 1e-6 * masonry.wall.unit[0].get();
+    // Along the wall, a joint to a wall at an angle is wider than across.
+    let sines = masonry.corners.iter().map(Corner::sine);
+    let widest = joint / sines.fold(1.0, f64::min);
+    let wide = |u: &&Unit| u.joint(along, true) > widest + 1e-6 * masonry.wall.unit[0].get();
     let mut units = masonry.units.iter().filter(wide);
     let first = units.next()?;
     let [from, to] = [first.own[along][1], first.all[along][1]];
@@ -342,7 +345,7 @@ fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
         })
     };
     // Where another wall passes through, a gap of its thickness is intended.
-    let most = if masonry.joined.is_empty() {
+    let most = if masonry.joined.is_empty() && masonry.corners.is_empty() {
         f64::INFINITY
     } else {
         3.0 * wall.head_joint.get()

@@ -230,13 +230,7 @@ fn lines(wall: &Masonry<'_>, course: u32, bars: u32) -> Vec<Vec<[f64; 3]>> {
                 let point = |s: f64| {
                     let mut x = [0.0; 3];
                     (x[along], x[through], x[2]) = (s, across, height);
-                    match wall.wall.rotate {
-                        Some(rotation) => {
-                            let turned = rotation.turn([0, 1, 2].map(|d| x[d] - at[d]));
-                            [0, 1, 2].map(|d| at[d] + turned[d])
-                        }
-                        None => x,
-                    }
+                    wall.placement.to_scene(x)
                 };
                 lines.push(both.map(point).to_vec());
             }

@@ -207,6 +207,7 @@ def wall(
     name: str | None = None,
     at: Sequence[Quantity] | None = None,
     along: str | None = None,
+    rotate: Mapping[str, Any] | None = None,
     bed_joint: Quantity = 10.0,
     head_joint: Quantity = 10.0,
     bond: str | None = None,
@@ -222,6 +223,7 @@ def wall(
     filled_from: str | None = None,
     rigid: bool | None = None,
     pattern: Sequence[Mapping[str, Any]] | None = None,
+    corners: str | None = None,
     openings: Sequence[Mapping[str, Any]] | None = None,
     snap: Quantity | None = None,
     storeys: Sequence[Quantity] | None = None,
@@ -248,6 +250,8 @@ def wall(
         Load steps (:func:`preload`, :func:`drive`, ...) in order.
     name, at, along
         Name of the wall (default ``"wall"``), its lowest corner [mm], and its axis, ``"x"`` or ``"y"``.
+    rotate
+        Rotation about ``at``, such as ``{"axis": "z", "angle": 30.0}``.
     bed_joint, head_joint
         Thicknesses of the joints [mm].
     bond
@@ -264,6 +268,8 @@ def wall(
         Whether the units of a dry wall are nearly rigid.
     pattern
         Explicit courses of a bond, for ``bond="pattern"``.
+    corners
+        How it meets other walls: ``"interlocked"`` (default) or ``"butted"``.
     openings
         Openings such as ``{"from": 360, "to": 630, "sill": 6, "courses": 6, "lintel": {"bearing": 100}}``.
     snap
@@ -289,6 +295,7 @@ def wall(
                 name=name,
                 at=at,
                 along=along,
+                rotate=rotate,
                 unit=unit,
                 length=length,
                 courses=courses,
@@ -305,6 +312,7 @@ def wall(
                 filled_from=filled_from,
                 rigid=rigid,
                 pattern=pattern,
+                corners=corners,
                 openings=openings,
                 snap=snap,
                 storeys=storeys,

@@ -3,12 +3,11 @@
 //! The mortar side is the slave (top of bed joints, far end of head joints, back of collar joints); in dry joints
 //! the lower, left or front side. The opposite sides are masters.
 
-use super::{Masonry, Unit};
+use super::{Corner, Masonry, Unit};
 use crate::deck::bodies::Bodies;
 use crate::deck::body::Body;
 use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
-use crate::deck::quantity::Quantity;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
 use crate::material::ElasticParameters;
@@ -53,6 +52,25 @@ struct Rectangle {
 }
 
 impl Rectangle {
+    /// The face `own` of a unit, of which `all` is the box with its joints [mm]; it is the side `here` of this box.
+    fn new(
+        [wall, body]: [usize; 2],
+        (own, here): (Face, Face),
+        all: [[f64; 2]; 3],
+        has_mortar: bool,
+    ) -> Self {
+        let (axis, high) = here.side();
+        let others = [(axis + 1) % 3, (axis + 2) % 3];
+        Self {
+            wall,
+            body,
+            face: own,
+            plane: all[axis][usize::from(high)],
+            range: others.map(|d| all[d]),
+            has_mortar,
+        }
+    }
+
     /// Box around all faces that may touch this one.
     fn around(&self) -> Aabb {
         around(self.range, self.plane)
@@ -107,14 +125,13 @@ pub(in crate::deck) fn joints(
     joints.touching
 }
 
-/// The mesh of the bodies with turned walls turned back: joints are found along the axes of their wall.
+/// The mesh of the bodies with the units of walls where they were laid: joints are found along the axes of their wall.
 fn upright<'a>(bodies: &'a Bodies<'_>) -> Cow<'a, Mesh> {
     let mut mesh = Cow::Borrowed(&bodies.mesh);
     for wall in &bodies.walls {
-        let Some(rotation) = wall.wall.rotate else {
+        if wall.placement.is_identity() {
             continue;
-        };
-        let at = wall.wall.at.map(Quantity::get);
+        }
         let nodes = &mut mesh.to_mut().nodes;
         for n in wall
             .bodies
@@ -122,8 +139,7 @@ fn upright<'a>(bodies: &'a Bodies<'_>) -> Cow<'a, Mesh> {
             .flat_map(|body| bodies.all[body].nodes.clone())
         {
             let node = &mut nodes[n as usize];
-            let back = rotation.turn_back([0, 1, 2].map(|d| node[d] - at[d]));
-            *node = [0, 1, 2].map(|d| at[d] + back[d]);
+            *node = wall.placement.to_laid(*node);
         }
     }
     mesh
@@ -185,6 +201,26 @@ impl<'a> Joints<'a> {
         }
     }
 
+    /// Facets of a master face in the coordinates in which the wall of its slave is laid.
+    fn facing(&self, wall: &Masonry<'_>, body: usize, face: Face, axis: usize) -> Vec<Facet> {
+        let of = self
+            .bodies
+            .walls
+            .iter()
+            .position(|w| w.bodies.contains(&body));
+        let body = &self.bodies.all[body];
+        let corner = wall.corners.iter().find(|corner| Some(corner.with) == of);
+        let Some(corner) = corner else {
+            return facets(self.mesh, body, face, axis);
+        };
+        let at = |n: u32| corner.point(self.mesh.nodes[n as usize]);
+        let mut facets = facets_at(self.mesh, &at, body, face, axis);
+        for facet in &mut facets {
+            facet.sine = corner.sine();
+        }
+        facets
+    }
+
     /// Adds facets and laws of one slave face, a unit of a wall.
     fn slaves(&mut self, slave: usize, face: Face, masters: &[(usize, Face)]) {
         let (bodies, mesh) = (self.bodies, self.mesh);
@@ -201,12 +237,12 @@ impl<'a> Joints<'a> {
         let body = &bodies.all[slave];
         let others: Vec<Facet> = masters
             .iter()
-            .flat_map(|(b, f)| facets(mesh, &bodies.all[*b], *f, axis))
+            .flat_map(|(b, f)| self.facing(wall, *b, *f, axis))
             .collect();
         let boxes: Vec<Aabb> = others.iter().map(Facet::around).collect();
         let tree = Bvh::build(&boxes);
         let (mut stack, mut near) = (Vec::new(), Vec::new());
-        let nominal = joint_thickness(wall, &wall.units[slave - wall.bodies.start], face);
+        let unit = &wall.units[slave - wall.bodies.start];
         for facet in &facets_in_order(mesh, body, face) {
             near.clear();
             tree.query(&boxes, &facet.around(), &mut stack, |i| {
@@ -216,8 +252,15 @@ impl<'a> Joints<'a> {
             let Some(facing) = most_covering(facet, near.iter().map(|i| &others[*i])) else {
                 continue; // above an opening
             };
-            let here = self.side(facet.element, nominal.unwrap_or(facet.size));
-            let there = self.side(facing.element, facing.size);
+            // Along a wall, joints and units of a wall at an angle are thicker than across.
+            let sine = if axis == wall.wall.axes().0 {
+                facing.sine
+            } else {
+                1.0
+            };
+            let thickness = joint_thickness(wall, unit, face, sine);
+            let here = self.side(facet.element, thickness.unwrap_or(sine * facet.size));
+            let there = self.side(facing.element, sine * facing.size);
             let law = law_between(self.contact, name, interface, here, there);
             self.contact.add_slave(facet.nodes, body.number, law);
             let bodies = (body.number, facing.body);
@@ -287,66 +330,115 @@ fn mirrored_law(contact: &mut ContactSurfaces, law: u16) -> u16 {
     u16::try_from(index).unwrap_or(u16::MAX)
 }
 
+/// A face of a unit, by its body.
+type UnitFace = (usize, Face);
+
 /// Pairs of faces that touch: slave and master.
-pub(super) fn touching(walls: &[Masonry<'_>]) -> Vec<((usize, Face), (usize, Face))> {
+pub(super) fn touching(walls: &[Masonry<'_>]) -> Vec<(UnitFace, UnitFace)> {
     let mut pairs = Vec::new();
     for axis in 0..3 {
+        let sides = |face: Face| -> Vec<Rectangle> {
+            let sides = walls.iter().enumerate();
+            sides
+                .flat_map(|(w, wall)| sides_of(w, wall, face))
+                .collect()
+        };
         let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);
-        let [lows, highs] = faces.map(|face| sides(walls, face));
-        let boxes: Vec<Aabb> = lows.iter().map(Rectangle::around).collect();
-        let tree = Bvh::build(&boxes);
-        let (mut stack, mut near) = (Vec::new(), Vec::new());
-        for high in &highs {
-            near.clear();
-            tree.query(&boxes, &high.around(), &mut stack, |i| {
-                near.push(i as usize);
-            });
-            for low in near.iter().map(|i| &lows[*i]) {
-                if (low.plane - high.plane).abs() > TOUCH {
-                    continue;
-                }
-                let overlap = |d: usize| {
-                    let (a, b) = (high.range[d], low.range[d]);
-                    a[1].min(b[1]) - a[0].max(b[0])
-                };
-                if low.body == high.body || overlap(0) <= TOUCH || overlap(1) <= TOUCH {
-                    continue;
-                }
-                let joined = low.wall == high.wall || walls[low.wall].joined.contains(&high.wall);
-                if !joined {
-                    continue;
-                }
-                let (a, b) = ((high.body, high.face), (low.body, low.face));
-                pairs.push(if low.has_mortar && !high.has_mortar {
-                    (b, a)
-                } else {
-                    (a, b)
-                });
-            }
+        let [lows, highs] = faces.map(sides);
+        let is_joined = |low: &Rectangle, high: &Rectangle| {
+            low.wall == high.wall || walls[low.wall].joined.contains(&high.wall)
+        };
+        pairs_of(&lows, &highs, is_joined, &mut pairs);
+    }
+    for (w, wall) in walls.iter().enumerate() {
+        for corner in wall.corners.iter().filter(|corner| corner.with > w) {
+            at_corner((w, wall), &walls[corner.with], corner, &mut pairs);
         }
     }
     pairs
 }
 
-/// This face of all units.
-fn sides(walls: &[Masonry<'_>], face: Face) -> Vec<Rectangle> {
-    let (axis, high) = face.side();
-    let side = usize::from(high);
-    let others = [(axis + 1) % 3, (axis + 2) % 3];
-    let mut sides = Vec::new();
-    for (w, wall) in walls.iter().enumerate() {
-        for (unit, body) in wall.units.iter().zip(wall.bodies.clone()) {
-            sides.push(Rectangle {
-                wall: w,
-                body,
-                face,
-                plane: unit.all[axis][side],
-                range: others.map(|d| unit.all[d]),
-                has_mortar: unit.joint(axis, high) > 0.0,
+/// Adds the pairs of faces of two walls that meet at an angle.
+fn at_corner(
+    (w, wall): (usize, &Masonry<'_>),
+    other: &Masonry<'_>,
+    corner: &Corner,
+    pairs: &mut Vec<(UnitFace, UnitFace)>,
+) {
+    // The faces of the other wall in the coordinates in which the first one is laid.
+    let turned = Face::ALL.map(|(_, face)| (corner.side(face), face));
+    for axis in 0..3 {
+        let faces = [2 * axis, 2 * axis + 1].map(|f| Face::ALL[f].1);
+        let [lows, highs] = faces.map(|face| sides_of(w, wall, face));
+        let of_other = |here: Face| -> Vec<Rectangle> {
+            let faces = turned.iter().filter(|(side, _)| *side == here);
+            let rectangle = |(unit, body): (&Unit, usize), own: Face| {
+                let all = corner.of_box(unit.all);
+                let (axis, high) = own.side();
+                let has_mortar = unit.joint(axis, high) > 0.0;
+                Rectangle::new([corner.with, body], (own, here), all, has_mortar)
+            };
+            let units = || other.units.iter().zip(other.bodies.clone());
+            let of_face = |(_, own): &(Face, Face)| {
+                let own = *own;
+                units().map(move |unit| rectangle(unit, own))
+            };
+            faces.flat_map(of_face).collect()
+        };
+        let [facing_lows, facing_highs] = faces.map(of_other);
+        pairs_of(&lows, &facing_highs, |_, _| true, pairs);
+        pairs_of(&facing_lows, &highs, |_, _| true, pairs);
+    }
+}
+
+/// Adds the pairs of low and high sides that touch and are joined.
+fn pairs_of(
+    lows: &[Rectangle],
+    highs: &[Rectangle],
+    is_joined: impl Fn(&Rectangle, &Rectangle) -> bool,
+    pairs: &mut Vec<(UnitFace, UnitFace)>,
+) {
+    let boxes: Vec<Aabb> = lows.iter().map(Rectangle::around).collect();
+    let tree = Bvh::build(&boxes);
+    let (mut stack, mut near) = (Vec::new(), Vec::new());
+    for high in highs {
+        near.clear();
+        tree.query(&boxes, &high.around(), &mut stack, |i| {
+            near.push(i as usize);
+        });
+        for low in near.iter().map(|i| &lows[*i]) {
+            if (low.plane - high.plane).abs() > TOUCH {
+                continue;
+            }
+            let overlap = |d: usize| {
+                let (a, b) = (high.range[d], low.range[d]);
+                a[1].min(b[1]) - a[0].max(b[0])
+            };
+            if low.body == high.body || overlap(0) <= TOUCH || overlap(1) <= TOUCH {
+                continue;
+            }
+            if !is_joined(low, high) {
+                continue;
+            }
+            let (a, b) = ((high.body, high.face), (low.body, low.face));
+            pairs.push(if low.has_mortar && !high.has_mortar {
+                (b, a)
+            } else {
+                (a, b)
             });
         }
     }
-    sides
+}
+
+/// This face of all units of wall number `w`, as they are laid.
+fn sides_of(w: usize, wall: &Masonry<'_>, face: Face) -> Vec<Rectangle> {
+    let (axis, high) = face.side();
+    let units = wall.units.iter().zip(wall.bodies.clone());
+    let of = |(unit, body): (&Unit, usize)| {
+        let has_mortar = unit.joint(axis, high) > 0.0;
+        Rectangle::new([w, body], (face, face), unit.all, has_mortar)
+    };
+    units.map(of).collect()
 }
 
 /// Interface of the joints normal to an axis.
@@ -360,11 +452,11 @@ fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
     own.unwrap_or(&wall.wall.interface)
 }
 
-/// Thickness of the joint at a face [mm]: the value of the deck if it agrees to rounding, else the actual one; none
-/// without a joint.
-fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face) -> Option<f64> {
+/// Thickness of the joint at a face [mm], which is `sine` of what it is along the wall: the value of the deck if it agrees
+/// to rounding, else the actual one; none without a joint.
+fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face, sine: f64) -> Option<f64> {
     let (axis, high) = face.side();
-    let actual = unit.joint(axis, high);
+    let actual = sine * unit.joint(axis, high);
     let said = [wall.wall.bed_joint.get(), wall.wall.head_joint.get()];
     let said = said.into_iter().find(|t| (t - actual).abs() <= 1e-9 * t);
     (actual > 0.0).then(|| said.unwrap_or(actual))
@@ -381,6 +473,8 @@ struct Facet {
     range: [[f64; 2]; 2],
     /// Size of the element normal to the face [mm].
     size: f64,
+    /// Sine of the angle between its wall and that of the face which it faces.
+    sine: f64,
 }
 
 impl Facet {
@@ -390,7 +484,19 @@ impl Facet {
     }
 }
 
+/// Facets of a face normal to an axis.
 fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
+    facets_at(mesh, &|n| mesh.nodes[n as usize], body, face, axis)
+}
+
+/// Facets of a face that is normal to an axis if the nodes are `at` these positions [mm].
+fn facets_at(
+    mesh: &Mesh,
+    at: &dyn Fn(u32) -> [f64; 3],
+    body: &Body,
+    face: Face,
+    axis: usize,
+) -> Vec<Facet> {
     let others: [usize; 2] = match axis {
         0 => [1, 2],
         1 => [0, 2],
@@ -398,17 +504,17 @@ fn facets(mesh: &Mesh, body: &Body, face: Face, axis: usize) -> Vec<Facet> {
     };
     let facets = body.faces[face as usize].facets.iter();
     let facets = facets.map(|(element, nodes)| {
-        let extent =
-            |nodes: &[u32], d: usize| range(nodes.iter().map(|n| mesh.nodes[*n as usize][d]));
+        let extent = |nodes: &[u32], d: usize| range(nodes.iter().map(|n| at(*n)[d]));
         let depth = extent(&mesh.elements[*element], axis);
         Facet {
             element: *element,
             nodes: *nodes,
             body: body.number,
             material: mesh.material[*element],
-            plane: mesh.nodes[nodes[0] as usize][axis],
+            plane: at(nodes[0])[axis],
             range: others.map(|d| extent(nodes, d)),
             size: depth[1] - depth[0],
+            sine: 1.0,
         }
     });
     facets.collect()

@@ -2,6 +2,7 @@
 
 mod bond;
 mod clamps;
+mod corner;
 mod course;
 mod expand;
 mod headers;
@@ -10,6 +11,7 @@ mod layers;
 mod layout;
 mod lines;
 mod openings;
+mod placement;
 mod plan;
 mod representative;
 mod snap;
@@ -21,6 +23,7 @@ pub(super) use layout::levels;
 pub use layout::{Half, Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};
+pub(super) use corner::Corner;
 pub(super) use joints::joints;
 pub(super) use layers::storey_heights;
 pub(super) use lines::lines;
@@ -31,6 +34,7 @@ use super::quantity::Quantity;
 use super::schema::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::symmetry::Plane;
 use crate::element::hexahedron::Face;
+use placement::Placement;
 use snap::Snapped;
 use std::ops::Range;
 
@@ -49,8 +53,12 @@ pub(super) struct Masonry<'a> {
     pub(super) bodies: Range<usize>,
     /// Clamped courses.
     pub(super) clamped: Option<Clamped>,
-    /// Walls that pass through it or through which it passes.
+    /// Walls along the other axis that pass through it or through which it passes.
     pub(super) joined: Vec<usize>,
+    /// Other such walls, where it or they are turned.
+    pub(super) corners: Vec<Corner>,
+    /// From where units are laid to where they stand.
+    pub(super) placement: Placement,
     /// Sides at which a plane of symmetry cuts it. `[face]`
     pub(super) cut: [bool; 6],
     /// Short pieces that were joined to their neighbours.
@@ -87,6 +95,8 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
         let (units, cut) = symmetry::cut(&planes, wall, name, clamped.is_some(), units)?;
         let bodies = first..first + units.len();
         first = bodies.end;
+        let corners = plan.corners[i].clone();
+        let placement = Placement::new(wall, &corners).map_err(refused)?;
         walls.push(Masonry {
             wall,
             path,
@@ -95,6 +105,8 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
             units,
             bodies,
             joined: plan.joined[i].clone(),
+            corners,
+            placement,
             cut,
             snapped,
         });
@@ -223,6 +235,12 @@ fn require_sound_course(wall: &Wall, k: usize, course: &DeckCourse) -> Result<()
 }
 
 impl Masonry<'_> {
+    /// Whether it and the wall of this index meet in plan and interlock, or one ends at the other.
+    pub(super) fn meets(&self, other: usize) -> bool {
+        let mut corners = self.corners.iter();
+        self.joined.contains(&other) || corners.any(|corner| corner.with == other)
+    }
+
     /// Units whose face lies on that of the whole wall; none where a plane of symmetry cuts it.
     pub(super) fn on(&self, face: Face) -> Vec<usize> {
         if self.cut[face as usize] {

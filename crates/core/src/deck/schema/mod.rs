@@ -63,7 +63,7 @@ pub use symmetry::{DeckSymmetry, Keep};
 pub use test::{DeckTest, TestKind};
 pub use ties::{DeckTie, TieBond};
 pub use wall::{
-    Bond, Clamped, Clamping, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
+    Bond, Clamped, Clamping, Corners, DeckCourse, DeckLeaf, DeckLintel, DeckOpening, FilledFrom,
     Subdivision, Wall,
 };
 

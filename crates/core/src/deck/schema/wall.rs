@@ -61,6 +61,9 @@ pub struct Wall {
     /// A written bond: courses from the lowest one; the sequence repeats.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pattern: Vec<DeckCourse>,
+    /// How it meets walls in the same place.
+    #[serde(default, skip_serializing_if = "Corners::is_interlocked")]
+    pub corners: Corners,
     /// Openings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub openings: Vec<DeckOpening>,
@@ -119,6 +122,23 @@ impl Bond {
     /// Returns whether the wall is one whole unit thick, of two stretchers or a header.
     pub fn has_headers(self) -> bool {
         matches!(self, Self::English | Self::EnglishCross | Self::Flemish)
+    }
+}
+
+/// How a wall meets another wall in the same place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Corners {
+    /// They pass through each other in turn, course by course.
+    #[default]
+    Interlocked,
+    /// It ends at the other wall in all courses.
+    Butted,
+}
+
+impl Corners {
+    fn is_interlocked(&self) -> bool {
+        *self == Self::Interlocked
     }
 }
 
