@@ -528,5 +528,6 @@ fn a_brick_on_which_the_steered_load_acts_ends_the_run_where_it_falls() {
     assert_eq!(fallen.bodies[0].name, "brick");
     // It has moved by a tenth of its edge at least, and the drive is not at its end.
     assert!(fallen.bodies[0].moved_mm > 5.0);
-    assert!(recording.rows.last().unwrap().probes[0] < 1.9);
+    let end = 2.0; // mm, of the drive
+    assert!(recording.rows.last().unwrap().probes[0] < 0.95 * end);
 }

@@ -39,12 +39,9 @@ impl Steered {
     /// Stiffness for a step with control by a displacement. None for a probe with very many nodes.
     pub fn new(model: &Model, control: Control) -> Option<Self> {
         let probe = &model.probes[control.probe];
-        // In a mirror half a node may count twice, once for its image.
         let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
-        for (nodes, sign) in [(&probe.nodes, 1.0), (&probe.minus, -1.0)] {
-            for &n in nodes {
-                *weights.entry(n).or_default() += sign / nodes.len() as f64;
-            }
+        for (n, weight) in probe.weights() {
+            *weights.entry(n).or_default() += weight;
         }
         let weights: Vec<(u32, f64)> = weights.into_iter().collect();
         if weights.is_empty() || weights.len() > MOST {

@@ -90,6 +90,8 @@ pattern.leaves => leaves = [{ units = ["204 mm"], offset = 0 }]
 offset = "-108 mm"  # where the first unit begins
 units = ["204 mm", "96 mm"]  # over and over again
 headers = [1]  # units that go through all leaves
+wall.corners => corners = "interlocked"  # or "butted": it ends at the other wall
+walls.corners => corners = "butted"  # or "interlocked": both pass through in turn
 openings = [{ from = "360 mm", to = "630 mm", sill = 6, courses = 6 }]
 from = "360 mm"
 to = "630 mm"

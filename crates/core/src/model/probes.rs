@@ -29,17 +29,22 @@ impl Probe {
         all.filter(|(_, part)| *part != 0.0)
     }
 
+    /// Nodes with their weights in the mean displacement that it measures. A node may come more than once: in a mirror
+    /// half, for itself and for its image.
+    pub fn weights(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let sides = [(&self.nodes, 1.0), (&self.minus, -1.0)];
+        sides.into_iter().flat_map(|(nodes, sign)| {
+            let weight = sign / nodes.len() as f64;
+            nodes.iter().map(move |n| (*n, weight))
+        })
+    }
+
     /// Derivatives of what a probe of displacements measures: node, axis, derivative by this displacement of the node.
     /// A node may come more than once.
     pub fn gradient(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let sides = [(&self.nodes, 1.0), (&self.minus, -1.0)];
-        sides.into_iter().flat_map(move |(nodes, sign)| {
-            let count = nodes.len() as f64;
-            let of_node = move |&n: &u32| {
-                let all = self.components();
-                all.map(move |(axis, along)| (n as usize, axis, sign * along / count))
-            };
-            nodes.iter().flat_map(of_node)
+        self.weights().flat_map(move |(n, weight)| {
+            let all = self.components();
+            all.map(move |(axis, along)| (n as usize, axis, along * weight))
         })
     }
 }

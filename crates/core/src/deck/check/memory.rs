@@ -1,7 +1,7 @@
 //! Memory of a run, estimated before it.
 
 use crate::deck::masonry;
-use crate::deck::schema::Deck;
+use crate::deck::schema::{Deck, Wall};
 use crate::material::MaterialHistory;
 use crate::model::Model;
 use crate::model::scene::{Step, Tangent};
@@ -46,6 +46,14 @@ pub(super) fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
 /// thickness. None without walls.
 fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
     let walls = || deck.walls().map(|(_, _, wall)| wall);
+    if walls().any(|wall| wall.rotate.is_some()) {
+        // Planes of symmetry cut no turned wall, so that the deck has all planes.
+        let of = |wall: &Wall| {
+            let units = (masonry::thickness(wall) / wall.unit[1].get()).round();
+            (wall.mesh.thickness as usize + 1) * units.clamp(1.0, MOST_LEAVES) as usize
+        };
+        return walls().map(of).max();
+    }
     let thickness = walls().map(masonry::thickness).max_by(f64::total_cmp)?;
     let axes: Vec<usize> = [0, 1]
         .into_iter()
