@@ -361,16 +361,31 @@ pub struct New {
 #[derive(Debug, Args)]
 pub struct Specimen {
     /// Length, thickness and height of a unit [mm] [default: 250x120x55].
-    #[arg(long, value_name = "LxTxH", requires = "test")]
+    #[arg(
+        long,
+        value_name = "LxTxH",
+        requires = "test",
+        allow_hyphen_values = true
+    )]
     pub unit: Option<String>,
     /// Thickness of the joints [mm] [default: 10].
-    #[arg(long, value_name = "MM", requires = "test")]
+    #[arg(long, value_name = "MM", requires = "test", allow_hyphen_values = true)]
     pub joint: Option<String>,
     /// Precompressions, such as "0.2, 0.6, 1.0 MPa": a deck for each.
-    #[arg(long, value_name = "LIST", requires = "test")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        requires = "test",
+        allow_hyphen_values = true
+    )]
     pub precompression: Option<String>,
     /// Length and height of a wall [mm], such as 1200x1200; the nearest whole units and courses are taken.
-    #[arg(long, value_name = "LxH", requires = "test")]
+    #[arg(
+        long,
+        value_name = "LxH",
+        requires = "test",
+        allow_hyphen_values = true
+    )]
     pub size: Option<String>,
     /// TOML file with [materials.unit], [materials.mortar] and [interfaces.joint] [default: of the catalogue].
     #[arg(long, value_name = "FILE", requires = "test")]
@@ -446,7 +461,7 @@ pub struct Limit {
     #[arg(long)]
     pub bonded: bool,
     /// Compressive strength of the joints, such as '8 MPa'; without, it is infinite.
-    #[arg(long, value_name = "PRESSURE")]
+    #[arg(long, value_name = "PRESSURE", allow_hyphen_values = true)]
     pub strength: Option<String>,
     /// Body force over the weight along this direction, in place of the live step.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]

@@ -2,5 +2,6 @@
 
 mod answers;
 mod files;
+mod live_load;
 mod probes;
 mod sections;

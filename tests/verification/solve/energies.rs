@@ -28,6 +28,7 @@ impl Recorder for Energies {
         self.most = self.most.max(row.force_kN);
         let of = StepOfCurve {
             driven: row.step == 1,
+            other: false,
             seeks_equilibrium: model.steps[row.step].procedure == Procedure::Auto,
         };
         self.curve.push(row, of);

@@ -126,8 +126,8 @@ fn rigid_strategy(deck: &Deck) -> Option<Warning> {
     (deck.strategy == Strategy::Rigid && deck.has_walls()).then(|| {
         deck.warning(
             "strategy",
-            "rigid units neither crack nor crush nor bend, which changes forces by tens of percent: a first estimate, to be \
-             compared with strategy = \"simplified\"",
+            "rigid units neither crack nor crush nor bend, which changes forces by tens of percent, and of pressed walls with \
+             openings by more than twice: a first estimate, to be compared with strategy = \"simplified\"",
         )
     })
 }

@@ -8,6 +8,7 @@ pub mod columns;
 pub mod drive;
 pub mod floors;
 pub mod general;
+pub mod live;
 pub mod loads;
 pub mod mesh;
 pub mod mirrored;

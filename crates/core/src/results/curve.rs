@@ -20,6 +20,8 @@ pub struct Curve {
 pub struct StepOfCurve {
     /// Its increments are points of the curve.
     pub driven: bool,
+    /// Its increments show another drive, so that the curve does not begin at them.
+    pub other: bool,
     /// It seeks equilibria (procedure `auto`): inertia only leads from one equilibrium to the next.
     pub seeks_equilibrium: bool,
 }
@@ -42,8 +44,8 @@ const INITIAL: f64 = 0.1;
 const LOST: f64 = 0.995;
 
 impl Curve {
-    /// Adds an increment. An increment before the first driven one moves the start of the curve. A later increment of
-    /// a step without a drive (a pause) is ignored.
+    /// Adds an increment. An increment before the first driven one moves the start of the curve, unless it shows another
+    /// drive. A later increment of a step without a drive (a pause) is ignored.
     pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
         let has_inertia = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
@@ -51,7 +53,7 @@ impl Curve {
         if of.driven {
             self.points.push(point);
             self.moving.push(moving);
-        } else if self.points.is_empty() {
+        } else if self.points.is_empty() && !of.other {
             self.start = point;
         }
     }
@@ -93,16 +95,20 @@ impl Curve {
         self.points.last().map(|p| p.0)
     }
 
-    /// Increments whose force may be a peak: those in equilibrium, or all if there is none.
+    /// Increments whose force may be a peak: those in equilibrium.
     pub(super) fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
-        let all = self.moving.iter().all(|moving| *moving);
         let points = self.points.iter().enumerate();
-        points.filter(move |(index, _)| all || !self.moving[*index])
+        points.filter(|(index, _)| !self.moving[*index])
+    }
+
+    /// Whether inertia carries the force of the last increment.
+    pub fn ends_moving(&self) -> bool {
+        self.moving.last().is_some_and(|moving| *moving)
     }
 
     /// The peak: the largest s F with s = sign(d − d₀), so that a wall driven towards −x has a peak as well. It is
-    /// the earliest of equal ones, and `None` if nothing moved. Increments in which `auto` follows the inertial
-    /// motion between two equilibria do not count.
+    /// the earliest of equal ones, and `None` if nothing moved or no increment is in equilibrium. Increments in which
+    /// `auto` follows the inertial motion between two equilibria do not count.
     pub fn peak(&self) -> Option<Peak> {
         let mut best: Option<(f64, Peak)> = None;
         for (index, &(displacement, force)) in self.candidates() {
@@ -439,6 +445,7 @@ mod tests {
             };
             let of = StepOfCurve {
                 driven: true,
+                other: false,
                 seeks_equilibrium,
             };
             curve.push(&row, of);

@@ -25,8 +25,8 @@ use super::{
 use crate::deck::Deck;
 use crate::files::{self, write_whole};
 use crate::model::Model;
+use crate::model::live::PartInCurve;
 use crate::model::reactions;
-use crate::model::scene::Step;
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
 use crate::state::EnergyBalance;
@@ -267,8 +267,10 @@ impl RunDirectory {
     /// Adds a row to the quantities of the summary.
     fn count(&mut self, model: &Model, row: &HistoryRow) {
         let step = model.steps.get(row.step);
+        let part = model.parts_in_curve().get(row.step).copied();
         let of = step.map_or_else(StepOfCurve::default, |step| StepOfCurve {
-            driven: is_driven(model, step),
+            driven: part == Some(PartInCurve::Points),
+            other: part == Some(PartInCurve::Other),
             seeks_equilibrium: step.procedure.seeks_equilibrium(),
         });
         self.curve.push(row, of);
@@ -412,21 +414,6 @@ pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
         }
     }
     Ok(())
-}
-
-/// Whether a step belongs to the load-displacement curve: it drives, or it has loads in a model in which no step
-/// drives.
-fn is_driven(model: &Model, step: &Step) -> bool {
-    let springs = |step: &Step| step.springs.iter().flatten().any(|by| *by != 0.0);
-    let loads = step.loads.iter().any(Option::is_some);
-    drives(step)
-        || springs(step)
-        || (loads && !model.steps.iter().any(|step| drives(step) || springs(step)))
-}
-
-/// Whether a step moves its driven beam. A preload only names the direction of the reported force.
-fn drives(step: &Step) -> bool {
-    step.driven.is_some_and(|driven| driven.way(step).is_some())
 }
 
 impl Recorder for RunDirectory {

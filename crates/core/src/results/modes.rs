@@ -52,6 +52,7 @@ pub enum ModesError {
 fn advice(why: &VibrationError) -> &'static str {
     match why {
         VibrationError::NoMass { .. } => "write it like this: density = \"1900 kg/m^3\"",
+        VibrationError::TooMany { .. } => "ask for the lowest ones: --count 10",
         VibrationError::NothingMoves => "free some nodes: see [supports] and [beams]",
         VibrationError::OtherModel(_) => {
             "the deck in the folder must be the one that was run, with the files that it names"
@@ -129,12 +130,25 @@ pub struct ModesTable {
     pub notes: Vec<String>,
 }
 
+/// Largest number of modes: the time grows with its square, and beyond some dozens shapes are those of single elements.
+const MOST_MODES: usize = 100;
+
+/// Rejects a larger number than [`MOST_MODES`].
+fn require_few(count: usize) -> Result<(), VibrationError> {
+    if count <= MOST_MODES {
+        return Ok(());
+    }
+    let most = MOST_MODES;
+    Err(VibrationError::TooMany { count, most })
+}
+
 impl FoundModes {
     /// The `count` lowest modes of a model at rest.
     ///
     /// # Errors
     /// [`ModesError::Vibration`].
     pub fn of_model(model: Model, count: usize) -> Result<Self, ModesError> {
+        require_few(count)?;
         let found = modes(&model, About::Rest, count)?;
         Ok(Self {
             model,
@@ -148,6 +162,7 @@ impl FoundModes {
     /// # Errors
     /// [`ModesError`].
     pub fn of_run(path: &Path, choice: FrameChoice, count: usize) -> Result<Self, ModesError> {
+        require_few(count)?;
         let folder = RunFolder::open(path)?;
         let file = path.join(DECK);
         if !file.is_file() {

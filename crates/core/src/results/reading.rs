@@ -312,20 +312,46 @@ pub(super) fn read_history(path: &Path, text: &[u8]) -> Result<ReadHistory, Read
     Ok(history)
 }
 
-/// Use of each step of a deck in the load-displacement curve: the steps that drive count, or those with loads if none
-/// drives. `[step]`
+/// Use of each step of a deck in the load-displacement curve, as [`Model::parts_in_curve`](crate::model::Model) has it.
+/// `[step]`
 fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     let deck: toml::Table = deck.parse().ok()?;
     let steps = deck.get("steps")?.as_array()?;
+    let text = |step: &toml::Value, key: &str| step.get(key).map(ToString::to_string);
     let drives =
         |step: &toml::Value| step.get("kind").and_then(toml::Value::as_str) == Some("drive");
-    let loads = |step: &toml::Value| {
+    // The same face, beam or spring along the same line.
+    let drive = |step: &toml::Value| {
+        let line = text(step, "direction").map(|direction| direction.replace('-', ""));
+        drives(step).then(|| (["face", "beam", "spring"].map(|key| text(step, key)), line))
+    };
+    let loads = |step: &toml::Value| -> Vec<String> {
         let loads = step.get("loads").and_then(toml::Value::as_array);
-        loads.is_some_and(|loads| !loads.is_empty())
+        let names = loads.into_iter().flatten();
+        names.filter_map(|load| text(load, "name")).collect()
+    };
+    let is_path = |step: &toml::Value| {
+        let procedure = step.get("procedure").and_then(toml::Value::as_str);
+        step.get("control").is_some()
+            || procedure.is_some_and(|name| ["arc_length", "dissipation"].contains(&name))
     };
     let any = steps.iter().any(drives);
+    let last = steps.iter().rev().find_map(drive);
+    let first_load = |step: &toml::Value| loads(step).into_iter().next();
+    let steered = steps
+        .iter()
+        .rev()
+        .filter(|step| is_path(step))
+        .find_map(first_load);
+    let live = steered.or_else(|| steps.iter().rev().find_map(first_load));
+    let another = steps.iter().any(|step| drives(step) && drive(step) != last);
     let of = |step: &toml::Value| StepOfCurve {
-        driven: if any { drives(step) } else { loads(step) },
+        driven: if any {
+            drives(step) && drive(step) == last
+        } else {
+            live.as_ref().is_some_and(|live| loads(step).contains(live))
+        },
+        other: another && drive(step) != last,
         seeks_equilibrium: step.get("procedure").is_none_or(|name| {
             ["auto", "displacement_control"]
                 .map(Some)

@@ -136,10 +136,21 @@ impl Verdict {
         if !model.steps.iter().any(finds) {
             return None;
         }
-        let peak = curve.peak()?;
         let &(displacement, force) = curve.points().last()?;
         let at = |p: Peak| format!("{:.3} kN at {:.4} mm", p.force, p.displacement);
-        let end = format!("{force:.3} kN at {displacement:.4} mm");
+        let mut end = format!("{force:.3} kN at {displacement:.4} mm");
+        if curve.ends_moving() {
+            end.push_str(" that inertia carries");
+        }
+        let Some(peak) = curve.peak() else {
+            let text = format!(
+                "inertia carries the force of all increments: none is in equilibrium; {end} at the end"
+            );
+            return curve.ends_moving().then_some(Self {
+                kind: VerdictKind::Moves,
+                text,
+            });
+        };
         if curve.turns_back() {
             let opposite = curve.opposite_peak();
             let both = match opposite {
@@ -160,6 +171,13 @@ impl Verdict {
         if curve.passes_peak() {
             let text = format!("peak of {} passed; {end} at the end", at(peak));
             return is(VerdictKind::PeakPassed, text);
+        }
+        if curve.ends_moving() {
+            let text = format!(
+                "not at rest at the end: {end}; in equilibrium at most {}",
+                at(peak)
+            );
+            return is(VerdictKind::Moves, text);
         }
         if curve.rises_over(LAST) > RISES * peak.force.abs() {
             let text = format!("still rising at the end: {end}, no peak yet");

@@ -89,6 +89,14 @@ pub enum VibrationError {
         /// Names of the materials without density.
         materials: Vec<String>,
     },
+    /// More modes than a study of a model asks for.
+    #[error("{count} modes are too many: at most {most}")]
+    TooMany {
+        /// Number asked for.
+        count: usize,
+        /// Largest number.
+        most: usize,
+    },
     /// Supports and beams hold everything.
     #[error("nothing can move: supports and beams hold every node")]
     NothingMoves,

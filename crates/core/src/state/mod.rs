@@ -20,6 +20,7 @@ use wythe_contact::{InterfaceHistory, PointPair};
 use crate::material::MaterialHistory;
 
 pub use clock::Clock;
+pub(crate) use energies::is_moving;
 pub use energies::{Energies, QUIET};
 pub use energy_balance::EnergyBalance;
 pub use first_damage::{CRACKED, CRUSHED, FirstDamage, Onset};

@@ -121,7 +121,7 @@ class RunFigures:
 
     @property
     def peak_force(self) -> float:
-        """Largest force along the drive [kN]; a peak if ``verdict_kind`` says so, nan if nothing was driven."""
+        """Largest force in equilibrium along the drive [kN]; a peak if ``verdict_kind`` says so, nan without one."""
         return self._number("peak_force_kN")
 
     @property

@@ -55,6 +55,9 @@ impl JsonSchema for Heading {
     }
 }
 
+/// Directions that messages name.
+const KNOWN: &[&str] = &["x", "y", "z", "-x", "-y", "-z", "[1, 0.5, 0]"];
+
 struct HeadingVisitor;
 
 impl<'de> Visitor<'de> for HeadingVisitor {
@@ -65,7 +68,9 @@ impl<'de> Visitor<'de> for HeadingVisitor {
     }
 
     fn visit_str<E: de::Error>(self, name: &str) -> Result<Heading, E> {
-        Direction::deserialize(StrDeserializer::new(name)).map(Heading::Axis)
+        let axis = Direction::deserialize(StrDeserializer::<E>::new(name));
+        axis.map(Heading::Axis)
+            .map_err(|_| E::unknown_variant(name, KNOWN))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Heading, A::Error> {

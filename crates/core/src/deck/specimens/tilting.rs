@@ -56,6 +56,9 @@ interface = "{}"
 [[supports]]
 on = "table"
 
+[contact]
+points = "corner" # blocks turn about their edges
+
 [test] # what `wythe evaluate` needs
 kind = "tilting-table"
 length = "{} mm"

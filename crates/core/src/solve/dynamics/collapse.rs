@@ -24,6 +24,7 @@ use crate::solve::stepping::step_run::StepRun;
 use crate::state::Method;
 use crate::state::QUIET;
 use crate::state::State;
+use crate::state::is_moving;
 use crate::state::{Fall, FallenBody, Status};
 
 /// Part of the unsupported mass that must fall before a step that drives ends.
@@ -88,13 +89,13 @@ impl Run<'_> {
         });
     }
 
-    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `before`: kinetic
-    /// energy at the start of the increment [N mm].
+    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `(before,
+    /// carried)`: kinetic energy [N mm] and load factor at the start of the increment.
     pub(in crate::solve) fn collapses(
         &mut self,
         step_run: &StepRun,
         method: Method,
-        before: f64,
+        (before, carried): (f64, f64),
     ) -> bool {
         let seeks = step_run.step.procedure.seeks_equilibrium();
         if !seeks || method != Method::QuasiStatic {
@@ -104,6 +105,12 @@ impl Run<'_> {
         let Some(last_equilibrium) = &mut self.last_equilibrium else {
             return false;
         };
+        if !prescribes(step_run.step) && !is_moving(energies.kinetic, before, energies.taken()) {
+            // The loads grow at rest: the wall carried those at the start of the increment. At its end it may have begun to
+            // slide.
+            self.depart(step_run.index, carried);
+            return false;
+        }
         let hastens = energies.kinetic > before;
         last_equilibrium.hastens = hastens;
         if energies.moving() <= QUIET {
@@ -131,7 +138,8 @@ impl Run<'_> {
         };
         if collapsed {
             self.summary.status = Status::Collapsed;
-            self.summary.fall = self.fall(step_run.index, &bodies, driven);
+            let factor = step_run.load;
+            self.summary.fall = self.fall((step_run.index, factor), &bodies, driven);
         }
         collapsed
     }
@@ -176,7 +184,7 @@ impl Run<'_> {
         if !prescribes && any && last_equilibrium.hastens {
             self.summary.status = Status::Collapsed;
         }
-        self.summary.fall = self.fall(last, &bodies, driven);
+        self.summary.fall = self.fall((last, 1.0), &bodies, driven);
     }
 
     /// Motion of the bodies since the last equilibrium `[unit]`, and the largest displacement of a drive meanwhile
@@ -209,7 +217,8 @@ impl Run<'_> {
     }
 
     /// Fall of the bodies with the largest displacements: at least half of the largest one, and that of the drive.
-    fn fall(&self, step: usize, bodies: &[Moved], driven: f64) -> Option<Fall> {
+    /// `step`: its index, and the part of its loads that acts.
+    fn fall(&self, step: (usize, f64), bodies: &[Moved], driven: f64) -> Option<Fall> {
         let last_equilibrium = self.last_equilibrium.as_ref()?;
         let most = bodies.iter().map(Moved::way).fold(0.0, f64::max);
         let named = |body: &Moved| body.way() >= (NAMED * most).max(driven) && body.way() > 0.0;
@@ -233,9 +242,9 @@ impl Run<'_> {
         })
     }
 
-    /// Unit vector of the gravity of a step; zero without gravity.
-    fn down(&self, step: usize) -> [f64; 3] {
-        let gravity = self.model.steps[step].gravity.at(1.0);
+    /// Unit vector of the gravity at a part of the loads of a step; zero without gravity.
+    fn down(&self, (step, part): (usize, f64)) -> [f64; 3] {
+        let gravity = self.model.steps[step].gravity.at(part);
         let size = length(gravity);
         gravity.map(|g| if size > 0.0 { g / size } else { 0.0 })
     }

@@ -61,14 +61,19 @@ impl Swings {
 
     /// Warning, if an increment was counted.
     pub fn warning(&self) -> Option<String> {
+        // A body that flies free has taken nothing.
+        let most = if self.worst.is_finite() {
+            format!("most ({:.0} %)", 100.0 * self.worst)
+        } else {
+            "most".to_owned()
+        };
         (self.count > 0).then(|| {
             format!(
                 "the kinetic energy of quasi-static steps is above {:.0} % of what the solids and \
-                 interfaces have taken in {} increments, most ({:.0} %) in steps.{} at {:.3e} s: a \
+                 interfaces have taken in {} increments, {most} in steps.{} at {:.3e} s: a \
                  longer duration moves more slowly",
                 100.0 * QUASI_STATIC,
                 self.count,
-                100.0 * self.worst,
                 self.step,
                 self.time
             )

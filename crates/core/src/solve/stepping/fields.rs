@@ -123,8 +123,8 @@ impl Run<'_> {
         frame
     }
 
-    /// Forces on the model [N]: external forces on the beams, then reactions of the supports without gravity, ground
-    /// motion and loads on their own nodes, then resultants of the named loads. `load_factor`: part of the step's
+    /// Forces on the model [N]: external forces on the beams, then reactions of the supports, which also carry gravity,
+    /// inertia and loads of their own nodes, then resultants of the named loads. `load_factor`: part of the step's
     /// loads, at part `moment` of its time.
     pub(in crate::solve) fn reactions(
         &self,

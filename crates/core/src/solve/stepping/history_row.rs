@@ -74,12 +74,11 @@ fn along(sense: f64, value: f64) -> f64 {
     if sense < 0.0 { 0.0 - value } else { value }
 }
 
-/// The load that the history shows in a step: the first one that the step changes, else one of a later step, else one
-/// of an earlier step.
-fn shown_load(model: &Model, step: usize) -> Option<usize> {
-    let steps = model.steps[step..].iter().chain(&model.steps);
-    let mut loads = steps.filter_map(|step| step.loads.iter().position(Option::is_some));
-    loads.next()
+/// First value of a pressure other than 0 [MPa].
+fn first_pressure(model: &Model, load: usize) -> f64 {
+    let values = model.steps.iter().filter_map(|step| *step.loads.get(load)?);
+    let mut values = values.map(|value| value[0]);
+    values.find(|value| *value != 0.0).unwrap_or(0.0)
 }
 
 impl Run<'_> {
@@ -88,8 +87,9 @@ impl Run<'_> {
     /// of a load, and 0.
     pub(in crate::solve) fn driven(&self, step: usize) -> (f64, f64, f64) {
         if !self.model.steps.iter().any(drives)
-            && let Some([displacement, force]) = self.loaded(step)
+            && let Some(live) = self.model.live_load()
         {
+            let [displacement, force] = self.loaded(step, live);
             return (displacement, force, 0.0);
         }
         let (state, dofs) = (&self.state, &self.system.dofs);
@@ -184,8 +184,12 @@ impl Run<'_> {
 
     /// Displacement [mm] and force [kN] of the drive, or of the load, for the watch of a step.
     pub(in crate::solve) fn watched(&self, step: usize) -> [f64; 2] {
-        let [displacement, force] = match self.loaded(step) {
-            Some(loaded) if !drives(&self.model.steps[step]) => loaded,
+        let own = self.model.steps[step]
+            .loads
+            .iter()
+            .position(Option::is_some);
+        let [displacement, force] = match own.or_else(|| self.model.live_load()) {
+            Some(load) if !drives(&self.model.steps[step]) => self.loaded(step, load),
             _ => {
                 let (displacement, force, _) = self.driven(step);
                 [displacement, force]
@@ -194,16 +198,14 @@ impl Run<'_> {
         [displacement, 1e-3 * force]
     }
 
-    /// Displacement [mm] of the load that the history shows, and force along its direction [N]; none without loads.
-    /// Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
+    /// Displacement [mm] of a load, and its force along its first value [N]. Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
     /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
     #[expect(
         clippy::too_many_lines,
         reason = "force and displacement of a load share its weights"
     )]
-    fn loaded(&self, step: usize) -> Option<[f64; 2]> {
+    fn loaded(&self, step: usize, told: usize) -> [f64; 2] {
         let (model, state) = (self.model, &self.state);
-        let told = shown_load(model, step)?;
         let load = &model.loads[told];
         let outside = &self.system.outside;
         let force_of = |value: [f64; 3], x: &[[f64; 3]]| {
@@ -263,7 +265,16 @@ impl Run<'_> {
             };
             weights.iter().zip(slots).map(work).sum::<f64>() / whole
         };
-        Some([displacement, force])
+        // A suction is a pressure below 0: it counts along its own sense, as other loads do.
+        if load.is_pressure() && first_pressure(model, told) < 0.0 {
+            let own = if steered.is_some() {
+                displacement
+            } else {
+                -displacement
+            };
+            return [own, -force];
+        }
+        [displacement, force]
     }
 
     /// Removes the forces normal to symmetry planes at nodes in them: the other half cancels these.

@@ -296,7 +296,8 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) -> Result<bool, RunError> {
         let solves = step_run.attempts.solves + report.iterations;
-        let added = report.load_factor - step_run.load;
+        let start = step_run.load;
+        let added = report.load_factor - start;
         let before = self.state.energies;
         if let Some(motion) = step_run.newton.motion() {
             motion.end_shock();
@@ -307,7 +308,7 @@ impl<'m> Run<'m> {
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
         let carried = self.count(step_run, request.method, &row);
-        let collapsed = self.collapses(step_run, request.method, before.kinetic);
+        let collapsed = self.collapses(step_run, request.method, (before.kinetic, start));
         let growth = growth(request, report, step_run.fallback.floor());
         step_run.choose_size(
             request,

@@ -1,0 +1,110 @@
+//! The drive or the load whose force and displacement are the curve of a run.
+
+use super::Model;
+use super::scene::{BeamMotion, Procedure, Step};
+
+/// A drive: a beam or the end of a spring, and the direction of its motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drive {
+    spring: bool,
+    index: usize,
+    direction: [f64; 3],
+}
+
+impl Drive {
+    /// The drive of a step: its beam, if it moves it, else the first spring whose end it moves.
+    fn of(step: &Step) -> Option<Self> {
+        let beam = step.driven.filter(|driven| driven.way(step).is_some());
+        if let Some(driven) = beam {
+            return Some(Self {
+                spring: false,
+                index: driven.beam,
+                direction: driven.direction,
+            });
+        }
+        let mut springs = step.springs.iter().enumerate();
+        let (index, by) = springs.find(|(_, by)| **by != [0.0; 3])?;
+        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt();
+        Some(Self {
+            spring: true,
+            index,
+            direction: by.map(|by| by / length),
+        })
+    }
+
+    /// Whether another drive moves the same along the same line.
+    fn is_like(self, other: Self) -> bool {
+        let along = (0..3).map(|i| self.direction[i] * other.direction[i]);
+        let along = along.sum::<f64>().abs();
+        (self.spring, self.index) == (other.spring, other.index) && along > PARALLEL
+    }
+}
+
+/// Cosine above which two directions are parallel.
+const PARALLEL: f64 = 0.999_999;
+
+/// Whether a step moves a beam or the end of a spring.
+fn moves(step: &Step) -> bool {
+    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
+    Drive::of(step).is_some() || step.motion.iter().flatten().any(driven)
+}
+
+/// Part of a step in the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartInCurve {
+    /// Its increments are points of the curve.
+    Points,
+    /// The curve begins at its last increment, if no points come before it.
+    Start,
+    /// Its increments show another drive.
+    Other,
+}
+
+impl Model {
+    /// Index of the load whose curve a run shows: the first one that is changed by the last step that steers its loads
+    /// (`displacement_control`, a path), or by the last step with loads if none steers.
+    pub fn live_load(&self) -> Option<usize> {
+        let first = |step: &Step| step.loads.iter().position(Option::is_some);
+        let steers = |step: &&Step| {
+            let path = matches!(
+                step.procedure,
+                Procedure::ArcLength | Procedure::Dissipation
+            );
+            path || step.control.is_some()
+        };
+        let mut steered = self.steps.iter().rev().filter(steers);
+        let mut all = self.steps.iter().rev();
+        steered.find_map(first).or_else(|| all.find_map(first))
+    }
+
+    /// Part of each step in the curve: that of the last drive, or of the live load in a model that drives nothing.
+    /// `[step]`
+    pub fn parts_in_curve(&self) -> Vec<PartInCurve> {
+        let live = self.live_load();
+        let last = self.steps.iter().rev().find_map(Drive::of);
+        let any = self.steps.iter().any(moves);
+        let other = |step: &Step| {
+            Drive::of(step)
+                .zip(last)
+                .is_some_and(|(own, last)| !own.is_like(last))
+        };
+        // Where another drive comes first, the increments before it show that one.
+        let rest = if self.steps.iter().any(other) {
+            PartInCurve::Other
+        } else {
+            PartInCurve::Start
+        };
+        let of = |step: &Step| match (Drive::of(step), last) {
+            (Some(own), Some(last)) if own.is_like(last) => PartInCurve::Points,
+            (Some(_), Some(_)) => PartInCurve::Other,
+            _ if moves(step) => PartInCurve::Points,
+            _ if !any
+                && live.is_some_and(|live| step.loads.get(live).is_some_and(Option::is_some)) =>
+            {
+                PartInCurve::Points
+            }
+            _ => rest,
+        };
+        self.steps.iter().map(of).collect()
+    }
+}
