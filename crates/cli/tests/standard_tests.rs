@@ -331,7 +331,9 @@ fn walls_under_an_airbag_carry_between_the_first_crack_and_a_mechanism() {
 fn a_dry_wall_on_a_tilting_table_slides_at_its_friction() {
     let folder = tempfile::tempdir().unwrap();
     let found = evaluated(folder.path(), "tilting-table", &["--size", "1000x330"], &[]);
-    between(of_run(&found, 0, "load_factor"), 0.98 * 0.7, 1.001 * 0.7);
+    // An increment of the tilt below, and above the tolerance of equilibrium, 5e-3 of the forces: a wall that begins to
+    // slide is still at rest within it.
+    between(of_run(&found, 0, "load_factor"), 0.98 * 0.7, 1.005 * 0.7);
 }
 
 #[test]
