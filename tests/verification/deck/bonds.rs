@@ -224,7 +224,7 @@ fn corner_deck(turn: f64, more: &str) -> String {
 
 /// Area of all facets of `facets` for which `holds` is true of all corners [mm²].
 fn area_where(model: &Model, facets: &[[u32; 4]], holds: impl Fn([f64; 3]) -> bool) -> f64 {
-    let of = |facet: &&[u32; 4]| nodes(model, **facet).iter().all(|x| holds((*x).into()));
+    let of = |facet: &&[u32; 4]| nodes(model, **facet).iter().all(|x| holds(*x));
     facets.iter().filter(of).map(|f| area(model, *f)).sum()
 }
 

@@ -122,6 +122,24 @@ impl Verdict {
         }
     }
 
+    /// Verdict from the curve of a drive to and fro.
+    fn on_loops(curve: &Curve, peak: Peak) -> Self {
+        let both = match curve.opposite_peak() {
+            Some(other) => format!("{} and {}", place(peak), place(other)),
+            None => place(peak),
+        };
+        if curve.passes_peak() {
+            return Self {
+                kind: VerdictKind::PeakPassed,
+                text: format!("peaks of {both} passed in loops"),
+            };
+        }
+        Self {
+            kind: VerdictKind::StillRising,
+            text: format!("still rising where the drive is farthest out: {both}, no peak yet"),
+        }
+    }
+
     /// Verdict from the curve; `None` if nothing is driven and no path is followed.
     fn on_curve(model: &Model, curve: &Curve) -> Option<Self> {
         let is = |kind, text| Some(Self { kind, text });
@@ -137,7 +155,6 @@ impl Verdict {
             return None;
         }
         let &(displacement, force) = curve.points().last()?;
-        let at = |p: Peak| format!("{:.3} kN at {:.4} mm", p.force, p.displacement);
         let mut end = format!("{force:.3} kN at {displacement:.4} mm");
         if curve.ends_moving() {
             end.push_str(" that inertia carries");
@@ -152,30 +169,16 @@ impl Verdict {
             });
         };
         if curve.turns_back() {
-            let opposite = curve.opposite_peak();
-            let both = match opposite {
-                Some(other) => format!("{} and {}", at(peak), at(other)),
-                None => at(peak),
-            };
-            return if curve.passes_peak() {
-                is(
-                    VerdictKind::PeakPassed,
-                    format!("peaks of {both} passed in loops"),
-                )
-            } else {
-                let text =
-                    format!("still rising where the drive is farthest out: {both}, no peak yet");
-                is(VerdictKind::StillRising, text)
-            };
+            return Some(Self::on_loops(curve, peak));
         }
         if curve.passes_peak() {
-            let text = format!("peak of {} passed; {end} at the end", at(peak));
+            let text = format!("peak of {} passed; {end} at the end", place(peak));
             return is(VerdictKind::PeakPassed, text);
         }
         if curve.ends_moving() {
             let text = format!(
                 "not at rest at the end: {end}; in equilibrium at most {}",
-                at(peak)
+                place(peak)
             );
             return is(VerdictKind::Moves, text);
         }
@@ -185,10 +188,15 @@ impl Verdict {
         }
         let text = format!(
             "neither rising nor falling at the end: {end}, at most {}",
-            at(peak)
+            place(peak)
         );
         is(VerdictKind::Plateau, text)
     }
+}
+
+/// Force and displacement of a point of the curve.
+fn place(peak: Peak) -> String {
+    format!("{:.3} kN at {:.4} mm", peak.force, peak.displacement)
 }
 
 /// Verdict on a run at the end of prescribed loads.
