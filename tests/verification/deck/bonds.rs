@@ -273,7 +273,8 @@ fn walls_that_meet_at_an_angle_interlock() {
                     beside && if second { on_first } else { on_second }
                 })
             };
-            // The return ends at the wall in odd courses, or in all; the joint is as high as its unit and bed joint.
+            // The wall ends at the return in odd courses, the return at the wall in even ones, or in all; the joint is as high
+            // as its unit and bed joint.
             let width = THICKNESS / sine;
             let (odd, even) = (width * (75.0 + 65.0), width * (75.0 + 75.0));
             let expected = if more.is_empty() {
@@ -281,18 +282,13 @@ fn walls_that_meet_at_an_angle_interlock() {
             } else {
                 [0.0, odd + even]
             };
-            let [by_wall, by_return] = [of_joint(false), of_joint(true)];
-            let found = [by_wall, by_return];
-            let sum: f64 = found.iter().sum();
-            assert!(
-                (sum / (odd + even) - 1.0).abs() < 1e-9,
-                "{turn} degrees: {found:?}, {expected:?}"
-            );
-            assert_eq!(
-                found[0] == 0.0,
-                expected[0] == 0.0,
-                "{turn} degrees: {found:?}"
-            );
+            for (found, expected) in [of_joint(false), of_joint(true)].into_iter().zip(expected) {
+                let error = (found - expected).abs();
+                assert!(
+                    error <= 1e-9 * (odd + even),
+                    "{turn} degrees {more}: {found}, {expected}"
+                );
+            }
         }
     }
 }
@@ -335,7 +331,8 @@ pressure = \"1 kPa\"
         recording.rows.last().unwrap().clone()
     });
     assert!(a.interface_dissipation_J > 0.01 * a.external_work_J);
-    // The order of the sums differs, and iterations end at a residual of 1e-3 of the forces.
+    // The order of the sums differs, and increments end at a root mean square of 2e-3 of the mean nodal force, of which
+    // less than half reaches the load.
     assert!(
         (a.load_factor / b.load_factor - 1.0).abs() < 1e-3,
         "{} and {}",

@@ -1,15 +1,15 @@
 //! Peaks and verdicts of runs with several loads, of suctions, and of walls whose force inertia carries first: blocks and
 //! piers whose force is known by hand.
 
-use crate::common::scene;
 use wythe::deck::Deck;
 use wythe::model::Model;
 use wythe::model::live::PartInCurve;
-use wythe::results::{Curve, StepOfCurve};
+use wythe::results::{Curve, RunDirectory, RunFolder};
+use wythe::solve;
 use wythe::state::{HistoryRow, Status, Summary};
 
-/// A block of 400 × 300 × 500 mm, of 1177.2 N, on the ground, with friction 0.9.
-const BLOCK: &str = r#"
+/// Stone, a dry joint and contact at the corners: the head of a deck. MU: the friction.
+const STONE: &str = r#"
 format = 1
 [materials.stone]
 E = "5 GPa"
@@ -18,12 +18,16 @@ density = "2000 kg/m^3"
 [interfaces.dry]
 f_t = 0
 c = 0
-tan_phi = 0.9
-mu = 0.9
+tan_phi = MU
+mu = MU
 normal_stiffness = "100 N/mm^3"
 shear_stiffness = "40 N/mm^3"
 [contact]
 points = "corner"
+"#;
+
+/// A block of 400 × 300 × 500 mm, of 1177.2 N, on the ground, with friction 0.9.
+const BLOCK: &str = r#"
 [[blocks]]
 name = "ground"
 size = [1000, 1000, 100]
@@ -52,27 +56,25 @@ kind = "gravity"
 const WEIGHT: f64 = 1.1772;
 const TURNS: f64 = WEIGHT * 400.0 / 500.0;
 
-fn model(deck: &str) -> Model {
-    let deck = Deck::from_str(deck, "block.toml").unwrap_or_else(|e| panic!("{e}"));
-    Model::from_deck(&deck).unwrap_or_else(|e| panic!("{e}")).0
+fn deck(friction: f64, scene: &str) -> Deck {
+    let text = format!("{}{scene}", STONE.replace("MU", &friction.to_string()));
+    Deck::from_str(&text, "scene.toml").unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The curve of a model, its history and its summary.
-fn curve(model: &Model) -> (Curve, Vec<HistoryRow>, Summary) {
-    let (recording, summary) = scene::run(model);
-    let parts = model.parts_in_curve();
-    let mut curve = Curve::default();
-    for row in &recording.rows {
-        curve.push(
-            row,
-            StepOfCurve {
-                driven: parts[row.step] == PartInCurve::Points,
-                other: parts[row.step] == PartInCurve::Other,
-                seeks_equilibrium: model.steps[row.step].procedure.seeks_equilibrium(),
-            },
-        );
-    }
-    (curve, recording.rows, summary)
+fn model(deck: &Deck) -> Model {
+    Model::from_deck(deck).unwrap_or_else(|e| panic!("{e}")).0
+}
+
+/// The curve of a deck, its history and its summary. The curve of the run is that which its folder gives back.
+fn curve(deck: &Deck) -> (Curve, Vec<HistoryRow>, Summary) {
+    let (model, folder) = (model(deck), tempfile::tempdir().unwrap());
+    let mut run = RunDirectory::of_deck(folder.path(), &model, deck).unwrap();
+    let summary = solve::run(&model, &mut run).unwrap();
+    let curve = run.curve().clone();
+    run.finish(&model, &summary, &[]).unwrap();
+    let history = RunFolder::open(folder.path()).unwrap().history().unwrap();
+    assert_eq!(history.curve(), curve);
+    (curve, history.rows, summary)
 }
 
 /// A pressure on one side and a suction on the other turn the block by the same force, which is positive.
@@ -89,7 +91,7 @@ fn a_suction_has_the_peak_of_a_pressure() {
         ("left", "-10 kPa", -20),
         ("right", "-10 kPa", 20),
     ] {
-        let (curve, rows, summary) = curve(&model(&step(on, pressure, way)));
+        let (curve, rows, summary) = curve(&deck(0.9, &step(on, pressure, way)));
         assert_eq!(summary.status, Status::Completed, "{}", summary.message);
         let peak = curve.peak().unwrap();
         // The edge gives by the stiffness of the joint, and the block has turned a little at its peak.
@@ -106,15 +108,19 @@ fn a_suction_has_the_peak_of_a_pressure() {
 /// The curve is that of the load that turns the block, whatever lies on it.
 #[test]
 fn a_load_that_lies_on_a_block_is_not_its_peak() {
-    let model = model(&format!(
-        "{BLOCK}[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"dead\"\non = \"block.top\"\nforce = [0, 0, \
+    let deck = deck(
+        0.9,
+        &format!(
+            "{BLOCK}[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"dead\"\non = \"block.top\"\nforce = [0, 0, \
          -5000]\n[[steps]]\nkind = \"load\"\nprocedure = \"displacement_control\"\ncontrol = {{ probe = \"top\", \
          displacement = 1 }}\n[[steps.loads]]\nname = \"live\"\non = \"block.left\"\nforce = [1000, 0, 0]\n"
-    ));
+        ),
+    );
+    let model = model(&deck);
     assert_eq!(model.live_load(), Some(1));
     let parts = [PartInCurve::Start, PartInCurve::Start, PartInCurve::Points];
     assert_eq!(model.parts_in_curve(), parts);
-    let (curve, rows, _) = curve(&model);
+    let (curve, rows, _) = curve(&deck);
     assert!(
         rows.iter()
             .filter(|row| row.step < 2)
@@ -129,13 +135,16 @@ fn a_load_that_lies_on_a_block_is_not_its_peak() {
 /// Drives along different lines are no cycle: the last one counts.
 #[test]
 fn the_last_of_two_drives_counts() {
-    let model = model(&format!(
-        "{BLOCK}[[steps]]\nkind = \"drive\"\nface = \"block.top\"\ndirection = \"-z\"\ndisplacement = 0.05\nfree = \
+    let deck = deck(
+        0.9,
+        &format!(
+            "{BLOCK}[[steps]]\nkind = \"drive\"\nface = \"block.top\"\ndirection = \"-z\"\ndisplacement = 0.05\nfree = \
          [\"x\", \"y\"]\n[[steps]]\nkind = \"drive\"\nface = \"block.top\"\ndirection = \"x\"\ndisplacement = 0.5\n"
-    ));
+        ),
+    );
     let parts = [PartInCurve::Other, PartInCurve::Other, PartInCurve::Points];
-    assert_eq!(model.parts_in_curve(), parts);
-    let (curve, ..) = curve(&model);
+    assert_eq!(model(&deck).parts_in_curve(), parts);
+    let (curve, ..) = curve(&deck);
     assert_eq!(curve.start(), (0.0, 0.0));
     assert!(!curve.turns_back());
 }
@@ -144,10 +153,13 @@ fn the_last_of_two_drives_counts() {
 #[test]
 fn what_slides_steadily_under_inertia_is_in_equilibrium() {
     let slides = |way: f64| {
-        let (curve, _, summary) = curve(&model(&format!(
-            "{BLOCK}[[steps]]\nkind = \"drive\"\nface = \"block.right\"\ndirection = \"-x\"\nfree = [\"y\", \
+        let (curve, _, summary) = curve(&deck(
+            0.9,
+            &format!(
+                "{BLOCK}[[steps]]\nkind = \"drive\"\nface = \"block.right\"\ndirection = \"-x\"\nfree = [\"y\", \
              \"z\"]\ndisplacement = {way}\n"
-        )));
+            ),
+        ));
         assert_eq!(summary.status, Status::Completed, "{}", summary.message);
         curve.peak().unwrap().force
     };
@@ -165,7 +177,7 @@ fn what_slides_steadily_under_inertia_is_in_equilibrium() {
 #[test]
 fn a_pier_that_rocks_far_has_the_peak_of_one_that_rocks_little() {
     let peak = |way: &str| {
-        let (curve, ..) = curve(&model(&PIER.replace("WAY", way)));
+        let (curve, ..) = curve(&deck(0.7, &PIER.replace("WAY", way)));
         curve.peak().unwrap().force.abs()
     };
     let near = peak("displacement = 10");
@@ -184,20 +196,6 @@ fn a_pier_that_rocks_far_has_the_peak_of_one_that_rocks_little() {
 
 /// The pier.
 const PIER: &str = r#"
-format = 1
-[materials.stone]
-E = "5 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.7
-mu = 0.7
-normal_stiffness = "100 N/mm^3"
-shear_stiffness = "40 N/mm^3"
-[contact]
-points = "corner"
 [wall]
 unit = [300, 200, 200]
 bed_joint = 0
@@ -239,26 +237,8 @@ direction = "x"
 WAY
 "#;
 
-/// A dry wall that a pressure on its back turns about its front edge: the load at which it falls is the last that it
-/// carried at rest.
-#[test]
-fn a_wall_falls_at_the_load_that_it_carried_last() {
-    let model = model(
-        r#"
-format = 1
-[materials.stone]
-E = "5 GPa"
-nu = 0.2
-density = "2000 kg/m^3"
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.6
-mu = 0.6
-normal_stiffness = "100 N/mm^3"
-shear_stiffness = "40 N/mm^3"
-[contact]
-points = "corner"
+/// A dry wall on the ground, and a pressure on its back.
+const WALL: &str = r#"
 [wall]
 unit = [300, 200, 150]
 bed_joint = 0
@@ -288,9 +268,14 @@ kind = "load"
 name = "wind"
 on = "wall.back"
 pressure = "5 kPa"
-"#,
-    );
-    let (_, _, summary) = curve(&model);
+"#;
+
+/// A dry wall that a pressure on its back turns about its front edge: the load at which it falls is the last that it
+/// carried at rest.
+#[test]
+fn a_wall_falls_at_the_load_that_it_carried_last() {
+    let deck = deck(0.6, WALL);
+    let (_, _, summary) = curve(&deck);
     assert_eq!(summary.status, Status::Collapsed, "{}", summary.message);
     // p H L H/2 = W t/2 with W = ρ g t H L: p = ρ g t²/H.
     let exact = 2e-9 * 9810.0 * 200.0 * 200.0 / 900.0 / 5e-3;

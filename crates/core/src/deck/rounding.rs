@@ -19,18 +19,13 @@ const TOLERANCE: f64 = 5e-2;
 /// # Errors
 /// The first such step, with the material and its E.
 pub(super) fn judge(deck: &Deck, model: &Model) -> Option<ModelError> {
-    let drives = |step: &Step| {
-        let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
-        step.motion.iter().flatten().any(driven)
-            || step.springs.iter().flatten().any(|by| *by != 0.0)
-    };
     if model.mesh.elements.is_empty() {
         return None;
     }
     let (rounding, element) = largest(model);
     let drowns = |step: &&Step| {
         let load = load(model, step);
-        load > 0.0 && !drives(step) && CLEAR * rounding > TOLERANCE * load
+        load > 0.0 && !step.drives() && CLEAR * rounding > TOLERANCE * load
     };
     let index = model.steps.iter().position(|step| drowns(&step))?;
     let step = &model.steps[index];

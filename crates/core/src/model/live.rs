@@ -1,7 +1,8 @@
 //! The drive or the load whose force and displacement are the curve of a run.
 
 use super::Model;
-use super::scene::{BeamMotion, Procedure, Step};
+use super::scene::{Procedure, Step};
+use super::steps::DrivenEnd;
 
 /// A drive: a beam or the end of a spring, and the direction of its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,13 +23,10 @@ impl Drive {
                 direction: driven.direction,
             });
         }
-        let mut springs = step.springs.iter().enumerate();
-        let (index, by) = springs.find(|(_, by)| **by != [0.0; 3])?;
-        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt();
-        Some(Self {
+        DrivenEnd::of(step).map(|end| Self {
             spring: true,
-            index,
-            direction: by.map(|by| by / length),
+            index: end.spring,
+            direction: end.direction,
         })
     }
 
@@ -42,12 +40,6 @@ impl Drive {
 
 /// Cosine above which two directions are parallel.
 const PARALLEL: f64 = 0.999_999;
-
-/// Whether a step moves a beam or the end of a spring.
-fn moves(step: &Step) -> bool {
-    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
-    Drive::of(step).is_some() || step.motion.iter().flatten().any(driven)
-}
 
 /// Part of a step in the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +74,7 @@ impl Model {
     pub fn parts_in_curve(&self) -> Vec<PartInCurve> {
         let live = self.live_load();
         let last = self.steps.iter().rev().find_map(Drive::of);
-        let any = self.steps.iter().any(moves);
+        let any = self.steps.iter().any(Step::drives);
         let other = |step: &Step| {
             Drive::of(step)
                 .zip(last)
@@ -97,7 +89,7 @@ impl Model {
         let of = |step: &Step| match (Drive::of(step), last) {
             (Some(own), Some(last)) if own.is_like(last) => PartInCurve::Points,
             (Some(_), Some(_)) => PartInCurve::Other,
-            _ if moves(step) => PartInCurve::Points,
+            _ if step.drives() => PartInCurve::Points,
             _ if !any
                 && live.is_some_and(|live| step.loads.get(live).is_some_and(Option::is_some)) =>
             {

@@ -52,6 +52,36 @@ impl Driven {
     }
 }
 
+/// The end of a spring that a step drives, and the direction along which it does, of length 1.
+#[derive(Clone, Copy)]
+pub(crate) struct DrivenEnd {
+    /// Index of the spring.
+    pub(crate) spring: usize,
+    /// Direction, of length 1. `[xyz]`
+    pub(crate) direction: [f64; 3],
+}
+
+impl DrivenEnd {
+    /// The first end that a step drives.
+    pub(crate) fn of(step: &Step) -> Option<Self> {
+        let mut ends = step.springs.iter().enumerate();
+        let (spring, by) = ends.find(|(_, by)| **by != [0.0; 3])?;
+        let axes: Vec<usize> = (0..3).filter(|axis| by[*axis] != 0.0).collect();
+        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt() * by[axes[0]].signum();
+        let direction = if let [axis] = axes[..] {
+            along_axis(axis)
+        } else {
+            by.map(|by| by / length)
+        };
+        Some(Self { spring, direction })
+    }
+
+    /// Component of a vector along the direction.
+    pub(crate) fn component(self, of: [f64; 3]) -> f64 {
+        component_along(self.direction, |axis| of[axis])
+    }
+}
+
 /// One step of the loading.
 #[derive(Clone, Debug)]
 // More than 15 fields: one for each setting of a step.
@@ -119,6 +149,13 @@ impl Default for Step {
 }
 
 impl Step {
+    /// Whether it moves a beam or the end of a spring.
+    pub fn drives(&self) -> bool {
+        let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
+        let mut springs = self.springs.iter().flatten();
+        self.motion.iter().flatten().any(driven) || springs.any(|by| *by != 0.0)
+    }
+
     /// Number of branches of the amplitude.
     pub fn branches(&self) -> usize {
         self.amplitude.as_ref().map_or(1, Amplitude::branches)

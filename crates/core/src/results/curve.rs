@@ -1,5 +1,8 @@
 //! The load-displacement curve and the quantities read from it.
 
+use crate::model::Model;
+use crate::model::live::PartInCurve;
+use crate::model::scene::Step;
 use crate::state::Method;
 use crate::state::{HistoryRow, Motion};
 
@@ -24,6 +27,19 @@ pub struct StepOfCurve {
     pub other: bool,
     /// It seeks equilibria (procedure `auto`): inertia only leads from one equilibrium to the next.
     pub seeks_equilibrium: bool,
+}
+
+impl StepOfCurve {
+    /// Use of each step of a model. `[step]`
+    pub fn all(model: &Model) -> Vec<Self> {
+        let parts = model.parts_in_curve().into_iter().zip(&model.steps);
+        let of = |(part, step): (PartInCurve, &Step)| Self {
+            driven: part == PartInCurve::Points,
+            other: part == PartInCurve::Other,
+            seeks_equilibrium: step.procedure.seeks_equilibrium(),
+        };
+        parts.map(of).collect()
+    }
 }
 
 /// A point of the curve.

@@ -25,7 +25,6 @@ use super::{
 use crate::deck::Deck;
 use crate::files::{self, write_whole};
 use crate::model::Model;
-use crate::model::live::PartInCurve;
 use crate::model::reactions;
 use crate::solve::Checkpoint;
 use crate::solve::Recorder;
@@ -50,6 +49,8 @@ pub struct RunDirectory {
     fields: FieldsBeside,
     messages: Option<McapWriter>,
     curve: Curve,
+    /// Use of each step in the curve. `[step]`
+    steps: Vec<StepOfCurve>,
     energy: EnergyBalance,
     probes: Vec<ProbeRange>,
     last_frame: Option<Arc<Frame>>,
@@ -184,6 +185,7 @@ impl RunDirectory {
             fields: FieldsBeside::new(fields),
             messages,
             curve: Curve::default(),
+            steps: StepOfCurve::all(model),
             energy: EnergyBalance::default(),
             probes: vec![ProbeRange::default(); model.columns().len()],
             last_frame: None,
@@ -203,12 +205,11 @@ impl RunDirectory {
     /// Continues after these rows and the last frame before the checkpoint.
     pub(super) fn resumed(
         mut self,
-        model: &Model,
         (rows, last_frame): (&[HistoryRow], Option<Frame>),
         file: &CheckpointFile,
     ) -> Self {
         for row in rows {
-            self.count(model, row);
+            self.count(row);
         }
         self.last_frame = last_frame.map(Arc::new);
         let peak = file.peak.as_ref();
@@ -265,14 +266,8 @@ impl RunDirectory {
     }
 
     /// Adds a row to the quantities of the summary.
-    fn count(&mut self, model: &Model, row: &HistoryRow) {
-        let step = model.steps.get(row.step);
-        let part = model.parts_in_curve().get(row.step).copied();
-        let of = step.map_or_else(StepOfCurve::default, |step| StepOfCurve {
-            driven: part == Some(PartInCurve::Points),
-            other: part == Some(PartInCurve::Other),
-            seeks_equilibrium: step.procedure.seeks_equilibrium(),
-        });
+    fn count(&mut self, row: &HistoryRow) {
+        let of = self.steps.get(row.step).copied().unwrap_or_default();
         self.curve.push(row, of);
         self.energy.push(row);
         self.motion = Motion::of(row);
@@ -419,7 +414,7 @@ pub(super) fn remove(folder: &Path, names: &[&str]) -> Result<(), OutputError> {
 impl Recorder for RunDirectory {
     fn take(&mut self, model: &Model, row: &HistoryRow, frame: Option<&Frame>) -> io::Result<bool> {
         writing(&self.path, HISTORY, |_| self.history.append(row))?;
-        self.count(model, row);
+        self.count(row);
         writing(&self.path, FIELDS, |_| {
             self.fields.settled().map(|fields| fields.row(row))
         })?;

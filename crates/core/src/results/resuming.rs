@@ -232,7 +232,7 @@ impl StoppedRun {
         };
         let begun = RunDirectory::begun(&path, self.lock, model, files);
         Ok(Resumed {
-            directory: begun.resumed(model, (&rows, last_frame), &self.file),
+            directory: begun.resumed((&rows, last_frame), &self.file),
             checkpoint: Some(self.file.solver),
             warnings,
         })

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Curve;
 use super::curve::Peak;
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step};
+use crate::model::scene::{Procedure, Step};
 use crate::state::{Frame, Status, Summary};
 
 /// The force still rises if it has risen over this last part of the travel by more than [`RISES`] of the largest
@@ -149,7 +149,7 @@ impl Verdict {
                 step.procedure,
                 Procedure::ArcLength | Procedure::Dissipation
             );
-            follows || step.control.is_some() || step_drives(step)
+            follows || step.control.is_some() || step.drives()
         };
         if !model.steps.iter().any(finds) {
             return None;
@@ -234,11 +234,6 @@ fn so_far(text: String, curve: &Curve) -> String {
         ),
         None => text,
     }
-}
-
-fn step_drives(step: &Step) -> bool {
-    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
-    step.motion.iter().flatten().any(driven) || step.springs.iter().flatten().any(|by| *by != 0.0)
 }
 
 impl Motion {

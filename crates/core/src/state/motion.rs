@@ -31,7 +31,7 @@ impl Motion {
             + (row.numerical_dissipation_J - self.numerical).abs();
         // kN mm = J.
         let work = (row.force_kN * (row.displacement_mm - self.displacement)).abs();
-        // A steady motion, such as that of a wall that slides on, needs no force.
+        // Inertia carries no force of a steady motion, such as that of a wall that slides on.
         let is_quiet = into_motion <= CARRIED * work;
         self.kinetic = row.kinetic_energy_J;
         self.numerical = row.numerical_dissipation_J;

@@ -203,13 +203,9 @@ impl<'a> Joints<'a> {
 
     /// Facets of a master face in the coordinates in which the wall of its slave is laid.
     fn facing(&self, wall: &Masonry<'_>, body: usize, face: Face, axis: usize) -> Vec<Facet> {
-        let of = self
-            .bodies
-            .walls
-            .iter()
-            .position(|w| w.bodies.contains(&body));
+        let is_of = |corner: &&Corner| self.bodies.walls[corner.with].bodies.contains(&body);
+        let corner = wall.corners.iter().find(is_of);
         let body = &self.bodies.all[body];
-        let corner = wall.corners.iter().find(|corner| Some(corner.with) == of);
         let Some(corner) = corner else {
             return facets(self.mesh, body, face, axis);
         };

@@ -18,7 +18,6 @@ use crate::assembly::dofs::HELD;
 use crate::model::Model;
 use crate::model::scene::{BeamMotion, Step};
 use crate::solve::Recorder;
-use crate::solve::stepping::history_row::drives;
 use crate::solve::stepping::run::Run;
 use crate::solve::stepping::step_run::StepRun;
 use crate::state::Method;
@@ -252,7 +251,7 @@ impl Run<'_> {
 
 /// Whether a step prescribes a displacement: that of a drive, or one that steers the load.
 fn prescribes(step: &Step) -> bool {
-    drives(step) || step.control.is_some()
+    step.drives() || step.control.is_some()
 }
 
 /// Whether a load that changes in the step acts on a node. `[node]`

@@ -2,7 +2,6 @@
 
 use wythe_contact::InterfaceHistory;
 
-use super::history_row::drives;
 use super::peak_control::{AT_REST, Passage};
 use super::run::{CUT, Run};
 use super::step_run::{IncrementRequest, StepRun};
@@ -230,7 +229,7 @@ impl Run<'_> {
                 by_work: 1.0 / work,
                 linear: None,
             }
-        } else if drives(step_run.step) {
+        } else if step_run.step.drives() {
             let way = self.driven_way(step_run);
             let rise = self.linear_rise(step_run);
             Passage {

@@ -5,50 +5,14 @@ use super::run::Run;
 use super::step_run::StepRun;
 use crate::assembly::dofs::HELD;
 use crate::model::Model;
-use crate::model::axis::{along_axis, component_along};
-use crate::model::scene::{BeamMotion, Driven, HeldBy, Step};
-
-/// Whether a step drives a face or the end of a spring.
-pub(in crate::solve) fn drives(step: &Step) -> bool {
-    let driven = |motion: &BeamMotion| matches!(motion, BeamMotion::Driven(_));
-    let springs = step.springs.iter().flatten();
-    step.motion.iter().flatten().any(driven) || springs.into_iter().any(|by| *by != 0.0)
-}
+use crate::model::scene::{Driven, HeldBy, Step};
+use crate::model::steps::DrivenEnd;
 
 /// Sign of the direction in which beam displacements and forces are counted: that of the first step that drives the
 /// beam in this direction.
 pub(in crate::solve) fn sense_of_beam(steps: &[Step], driven: Driven) -> f64 {
     let mut ways = steps.iter().filter_map(|step| driven.way(step));
     ways.find(|by| *by != 0.0).map_or(1.0, f64::signum)
-}
-
-/// The end of a spring that a step drives, and the direction along which it does, of length 1.
-#[derive(Clone, Copy)]
-pub(in crate::solve) struct DrivenEnd {
-    /// Index of the spring.
-    pub(in crate::solve) spring: usize,
-    direction: [f64; 3],
-}
-
-impl DrivenEnd {
-    /// The first end that a step drives.
-    pub(in crate::solve) fn of(step: &Step) -> Option<Self> {
-        let mut ends = step.springs.iter().enumerate();
-        let (spring, by) = ends.find(|(_, by)| **by != [0.0; 3])?;
-        let axes: Vec<usize> = (0..3).filter(|axis| by[*axis] != 0.0).collect();
-        let length = by.iter().map(|by| by * by).sum::<f64>().sqrt() * by[axes[0]].signum();
-        let direction = if let [axis] = axes[..] {
-            along_axis(axis)
-        } else {
-            by.map(|by| by / length)
-        };
-        Some(Self { spring, direction })
-    }
-
-    /// Component of a vector along the direction.
-    pub(in crate::solve) fn component(self, of: [f64; 3]) -> f64 {
-        component_along(self.direction, |axis| of[axis])
-    }
 }
 
 /// The same as [`sense_of_beam`] for the driven end of a spring.
@@ -86,7 +50,7 @@ impl Run<'_> {
     /// compression positive [N], at the last commit. For models with loads and without drive: displacement and force
     /// of a load, and 0.
     pub(in crate::solve) fn driven(&self, step: usize) -> (f64, f64, f64) {
-        if !self.model.steps.iter().any(drives)
+        if !self.model.steps.iter().any(Step::drives)
             && let Some(live) = self.model.live_load()
         {
             let [displacement, force] = self.loaded(step, live);
@@ -189,7 +153,7 @@ impl Run<'_> {
             .iter()
             .position(Option::is_some);
         let [displacement, force] = match own.or_else(|| self.model.live_load()) {
-            Some(load) if !drives(&self.model.steps[step]) => self.loaded(step, load),
+            Some(load) if !self.model.steps[step].drives() => self.loaded(step, load),
             _ => {
                 let (displacement, force, _) = self.driven(step);
                 [displacement, force]
@@ -198,8 +162,9 @@ impl Run<'_> {
         [displacement, 1e-3 * force]
     }
 
-    /// Displacement [mm] of a load, and its force along its first value [N]. Where a displacement steers the step, it is that one. Otherwise it is the mean over the loaded nodes, weighted
-    /// by the nodal forces of the load at rest, so that force times displacement is the work of the load.
+    /// Displacement [mm] of a load, and its force along its first value [N]. Where a displacement steers the step, it is
+    /// that one. Otherwise it is the mean over the loaded nodes, weighted by the nodal forces of the load at rest, so that
+    /// force times displacement is the work of the load.
     #[expect(
         clippy::too_many_lines,
         reason = "force and displacement of a load share its weights"

@@ -3,7 +3,6 @@
 use super::acceptance::resolving;
 use super::explain::progress;
 use super::fallback::Fallback;
-use super::history_row::drives;
 use super::path::{Advance, PathMeasure};
 use super::peak_control::PeakWatch;
 use super::snap::Relaxations;
@@ -198,7 +197,7 @@ impl<'m> StepRun<'m> {
     /// Records a point of the curve for peak control: the load factor where a displacement steers it, else the
     /// `force` of the drive. Steps that neither drive nor steer record nothing.
     pub(in crate::solve) fn see(&mut self, force: f64) {
-        let force = match (&self.path.control, drives(self.step)) {
+        let force = match (&self.path.control, self.step.drives()) {
             (Some(_), _) => self.load,
             (None, true) => force,
             (None, false) => return,

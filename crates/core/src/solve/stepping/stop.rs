@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::history_row::{DrivenEnd, sense_of_beam, sense_of_control, sense_of_spring};
+use super::history_row::{sense_of_beam, sense_of_control, sense_of_spring};
 use crate::model::scene::{Step, Stop};
+use crate::model::steps::DrivenEnd;
 
 /// Watches the drive or load of a step for the conditions that end it.
 ///
