@@ -80,11 +80,11 @@ snap-back, bodies that nothing holds, faces that do not meet. All errors of a la
 line, place and advice.
 
 Where there are none: warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
-the bond), its sizes, and the memory [MB] that a run takes.
+the bond), its sizes, and an estimate of the memory [MB] and of the processor time [s] that a run takes.
 
 With --json one object on standard output, errors or not: file, ok, layer (\"form\" or \"physics\", where \
 ok is false), errors [file, key, line, column, message, help], warnings [key, line, column, message]; and \
-where ok is true title, notes, sizes, memory_MB.
+where ok is true title, notes, sizes, memory_MB, processor_time_s.
 
 Examples:
   wythe check wall.toml

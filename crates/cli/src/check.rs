@@ -106,6 +106,7 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
                 "notes": report.notes,
                 "sizes": report.sizes,
                 "memory_MB": report.memory_mb,
+                "processor_time_s": report.time_s,
             });
             (object, Ok(()))
         }

@@ -175,6 +175,7 @@ impl Deck {
                 "notes": [],
                 "sizes": null,
                 "memory_MB": null,
+                "processor_time_s": null,
             }),
             Ok((model, warnings)) => {
                 let report = deck::check(&self.said, model);
@@ -186,6 +187,7 @@ impl Deck {
                     "notes": report.notes,
                     "sizes": report.sizes,
                     "memory_MB": report.memory_mb,
+                    "processor_time_s": report.time_s,
                 })
             }
         });

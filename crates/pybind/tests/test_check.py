@@ -25,6 +25,8 @@ def test_a_sound_model() -> None:
     sizes = (found.units, found.elements, found.nodes, found.dofs, found.contact_points)
     assert sizes == (2, 24, 75, 135, 32)
     assert 0.0 < found.memory_MB < 100.0
+    low, high = found.processor_time_s
+    assert 0.0 < low < high < 10.0
     assert "2 units, 24 elements, 75 nodes" in str(found)
 
 
@@ -38,6 +40,7 @@ def test_a_model_that_cannot_be_run_has_no_sizes() -> None:
     sizes = (found.units, found.elements, found.nodes, found.dofs, found.contact_points)
     assert sizes == (0, 0, 0, 0, 0)
     assert found.memory_MB == 0.0
+    assert found.processor_time_s == (0.0, 0.0)
     (error,) = found.errors
     assert error.key == "output.experiment"
     assert error.line == line_of(text, "experiment")

@@ -105,6 +105,7 @@ def test_checks_are_those_of_the_command(deck: Path) -> None:
     ]
     assert list(found.notes) == told["notes"]
     assert found.memory_MB == pytest.approx(told["memory_MB"])
+    assert list(found.processor_time_s) == pytest.approx(told["processor_time_s"])
     assert found.elements == told["sizes"]["elements"]
 
 

@@ -73,7 +73,11 @@ fn keys_of_the_deck_come_first() {
     assert!((tension.energy - 0.058).abs() < 1e-15);
     assert_eq!(own.materials["mortar"].E.get(), 1200.0);
     let joint = &own.interfaces["joint"];
-    assert!((joint.f_t.get() - 0.2).abs() < 1e-4, "{}", joint.f_t.get());
+    assert!(
+        (joint.tensile_strength() - 0.2).abs() < 1e-4,
+        "{}",
+        joint.tensile_strength()
+    );
     assert_eq!(joint.u_k.map(Length::get), Some(0.3));
     assert!(joint.G_I.is_none() && joint.G_II.is_some());
     let taken: Vec<&str> = own.assumed()[0].taken.iter().map(|t| t.key).collect();

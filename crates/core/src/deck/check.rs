@@ -3,6 +3,7 @@
 mod laws;
 mod memory;
 mod scene;
+mod time;
 
 use super::schema::Deck;
 use super::{findings, masonry, tables, wall_defaults};
@@ -35,6 +36,9 @@ pub struct CheckReport {
     /// Estimated peak memory [MB]: of the mirror half where one is solved, with factors of single precision where
     /// they are tried.
     pub memory_mb: f64,
+    /// Estimated processor time [s] of the solution where little cracks, and where units snap. Motion with inertia is
+    /// not foreseen.
+    pub time_s: [f64; 2],
 }
 
 impl fmt::Display for CheckReport {
@@ -59,8 +63,9 @@ impl fmt::Display for CheckReport {
         )?;
         writeln!(
             f,
-            "{contact_points} contact points, about {:.0} MB",
-            self.memory_mb
+            "{contact_points} contact points, about {:.0} MB and {} of processor time",
+            self.memory_mb,
+            time::in_words(self.time_s)
         )
     }
 }
@@ -87,6 +92,7 @@ pub fn check(deck: &Deck, model: &Model) -> CheckReport {
         notes,
         sizes,
         memory_mb,
+        time_s: time::seconds(deck, &least),
     }
 }
 

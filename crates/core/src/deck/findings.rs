@@ -169,7 +169,8 @@ fn check_interface(deck: &Deck, name: &str, f: &Interface, model: &Model) -> Vec
     let path = format!("interfaces.{name}");
     let mut warnings = Vec::new();
     let warn = |key: &str, message: String| deck.warning(&format!("{path}.{key}"), message);
-    let (mu, tan_phi, c, f_t) = (f.mu.get(), f.tan_phi.get(), f.c.get(), f.f_t.get());
+    let (mu, tan_phi) = (f.residual_friction(), f.initial_friction());
+    let (c, f_t) = (f.cohesion(), f.tensile_strength());
     if mu > tan_phi && !f.is_dry() {
         let pressure = c / (mu - tan_phi);
         warnings.push(warn(

@@ -26,7 +26,7 @@ pub(super) fn general(deck: &Deck, model: &Model) -> Result<Option<GeneralContac
         name,
         &model.mesh,
         &model.materials,
-        interface.mu.get(),
+        interface.residual_friction(),
         stiffness,
     )))
 }

@@ -31,7 +31,7 @@ pub(super) fn require_held(
     let joins = |t: &&Touching| {
         deck.interfaces
             .get(&t.interface)
-            .is_some_and(|f| !f.is_dry() || (pressed && f.mu.get() > 0.0))
+            .is_some_and(|f| !f.is_dry() || (pressed && f.residual_friction() > 0.0))
     };
     let joints = touching.iter().filter(joins).map(|t| t.bodies);
     let boxes = overlap::boxes(bodies);
@@ -207,7 +207,7 @@ fn loose(deck: &Deck, path: &str, who: &str, touches: Option<&Touching>) -> Mode
             .of_kind(ErrorKind::Unheld);
     };
     let interface = deck.interfaces.get(&touches.interface);
-    if interface.is_some_and(|f| f.mu.get() == 0.0) {
+    if interface.is_some_and(|f| f.residual_friction() == 0.0) {
         return deck
             .error(
                 &format!("interfaces.{}", touches.interface),

@@ -86,6 +86,8 @@ class Findings:
         Sizes; 0 if the model cannot be built.
     memory_MB : float
         Estimated peak memory [MB].
+    processor_time_s : tuple of float
+        Estimated processor time [s] where little cracks, and where units snap. Motion with inertia is not foreseen.
     """
 
     ok: bool
@@ -99,6 +101,7 @@ class Findings:
     dofs: int
     contact_points: int
     memory_MB: float
+    processor_time_s: tuple[float, float]
 
     def __bool__(self) -> bool:
         return self.ok
@@ -109,10 +112,11 @@ class Findings:
         lines += [f"warning: {warning}" for warning in self.warnings]
         lines += [f"note: {note}" for note in self.notes]
         if self.ok:
+            low, high = self.processor_time_s
             lines.append(
                 f"{self.units} units, {self.elements} elements, {self.nodes} nodes, "
                 f"{self.dofs} unknowns, {self.contact_points} contact points, "
-                f"about {self.memory_MB:.0f} MB"
+                f"about {self.memory_MB:.0f} MB and {low:.3g} to {high:.3g} s of processor time"
             )
         return "\n".join(lines)
 
@@ -292,6 +296,7 @@ class Model:
             warnings=tuple(map(problem, found["warnings"])),
             notes=tuple(found["notes"]),
             memory_MB=found["memory_MB"] or 0.0,
+            processor_time_s=tuple(found["processor_time_s"] or (0.0, 0.0)),
             **sizes,
         )
 

@@ -133,13 +133,13 @@ pub(super) fn interface_notes(
             curve.middle,
             curve.energy(),
             decimals(f.cap_weights()[1]),
-            decimals(f.f_t.get()),
+            decimals(f.tensile_strength()),
             decimals(f.G_I.map_or(0.0, Quantity::get)),
-            decimals(f.c.get()),
+            decimals(f.cohesion()),
             decimals(f.G_II.map_or(0.0, Quantity::get)),
         )
     } else if f.is_dry() {
-        format!("interface {name}: dry, friction {}", f.mu.get())
+        format!("interface {name}: dry, friction {}", f.residual_friction())
     } else {
         format!(
             "interface {name}: u_k = {:.4} mm <=> G_I = {:.2} N/m; delta_k = {:.4} mm <=> G_II = \

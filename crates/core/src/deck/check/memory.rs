@@ -44,7 +44,7 @@ pub(super) fn memory_mb(deck: &Deck, model: &Model, times: f64) -> [f64; 2] {
 
 /// Number of node planes through the thickness of the walls: those of a unit times the number of units through the
 /// thickness. None without walls.
-fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
+pub(super) fn planes_through(deck: &Deck, model: &Model) -> Option<usize> {
     let walls = || deck.walls().map(|(_, _, wall)| wall);
     if walls().any(|wall| wall.rotate.is_some()) {
         // Planes of symmetry cut no turned wall, so that the deck has all planes.

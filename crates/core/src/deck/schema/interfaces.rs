@@ -1,6 +1,7 @@
 //! `[interfaces.NAME]`: the law of a joint, by its kind (theory/joint.md, theory/joint-cap.md).
 
-use super::{JointKind, named_or_whole};
+use super::JointKind;
+use super::joint_kinds::named_or_whole;
 use crate::deck::quantity::{
     FractureEnergy, InterfaceStiffness, InverseLength, Length, Number, Pressure, Quantity,
 };
@@ -8,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_with::skip_serializing_none;
 use wythe_contact::softening::Softening;
-use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw};
+use wythe_contact::{Cap, CapCurve, CohesiveFrictional, Coupling, InterfaceLaw, JointLaw as _};
 
 /// Parameters of an interface.
 #[skip_serializing_none]
@@ -27,13 +28,13 @@ pub struct Interface {
     /// Name in the catalogue of joints, from which absent keys take their values.
     pub name: Option<String>,
     /// Tensile strength f_t [MPa].
-    pub f_t: Pressure,
+    pub f_t: Option<Pressure>,
     /// Cohesion c [MPa].
-    pub c: Pressure,
+    pub c: Option<Pressure>,
     /// Initial friction tan φ [-].
-    pub tan_phi: Number,
+    pub tan_phi: Option<Number>,
     /// Residual friction μ [-].
-    pub mu: Number,
+    pub mu: Option<Number>,
     /// Brittleness in tension ζ [-]; not needed by a dry joint.
     pub zeta: Option<Number>,
     /// Brittleness in shear ξ [-]; not needed by a dry joint.
@@ -113,9 +114,29 @@ impl Interface {
         self.penalty_factor.map_or(PENALTY, Number::get)
     }
 
+    /// Tensile strength f_t [MPa]; 0 if the kind has none.
+    pub fn tensile_strength(&self) -> f64 {
+        self.f_t.map_or(0.0, Pressure::get)
+    }
+
+    /// Cohesion c [MPa]; 0 if the kind has none.
+    pub fn cohesion(&self) -> f64 {
+        self.c.map_or(0.0, Pressure::get)
+    }
+
+    /// Initial friction tan φ [-]; 0 if the kind has none.
+    pub fn initial_friction(&self) -> f64 {
+        self.tan_phi.map_or(0.0, Number::get)
+    }
+
+    /// Residual friction μ, which holds a body that is pressed [-]; 0 if the kind has none.
+    pub fn residual_friction(&self) -> f64 {
+        self.mu.map_or(0.0, Number::get)
+    }
+
     /// Returns whether the joint has no bond: it is dry and has D = 1 from the start (theory/joint.md, eq. 19).
     pub fn is_dry(&self) -> bool {
-        self.f_t.get() == 0.0 && self.c.get() == 0.0
+        self.law(1.0, 1.0).is_dry()
     }
 
     /// ζ, or 1 if a dry joint, which does not use it, leaves it out.
@@ -133,8 +154,8 @@ impl Interface {
     pub fn ultimate_opening(&self) -> f64 {
         match (self.u_k, self.G_I) {
             (Some(u_k), _) => u_k.get(),
-            (None, Some(g)) if self.f_t.get() > 0.0 => {
-                g.get() / (self.f_t.get() * Softening::shape_integral(self.zeta()))
+            (None, Some(g)) if self.tensile_strength() > 0.0 => {
+                g.get() / (self.tensile_strength() * Softening::shape_integral(self.zeta()))
             }
             _ => 0.0,
         }
@@ -145,8 +166,8 @@ impl Interface {
     pub fn ultimate_slip(&self) -> f64 {
         match (self.delta_k, self.G_II) {
             (Some(delta_k), _) => delta_k.get(),
-            (None, Some(g)) if self.c.get() > 0.0 => {
-                g.get() / (self.c.get() * Softening::shape_integral(self.xi()))
+            (None, Some(g)) if self.cohesion() > 0.0 => {
+                g.get() / (self.cohesion() * Softening::shape_integral(self.xi()))
             }
             _ => 0.0,
         }
@@ -170,12 +191,12 @@ impl Interface {
         Cap {
             normal_stiffness,
             shear_stiffness,
-            f_t: self.f_t.get(),
+            f_t: self.tensile_strength(),
             mode_1: energy(self.G_I),
-            c: self.c.get(),
+            c: self.cohesion(),
             mode_2: energy(self.G_II),
-            tan_phi: self.tan_phi.get(),
-            mu: self.mu.get(),
+            tan_phi: self.initial_friction(),
+            mu: self.residual_friction(),
             tan_psi: self.tan_psi.map_or(0.0, Number::get),
             sigma_u: self.sigma_u.map_or(f64::INFINITY, Quantity::get),
             decay: self.delta.map_or(0.0, Quantity::get),
@@ -218,10 +239,10 @@ impl Interface {
         shear_stiffness: f64,
     ) -> CohesiveFrictional {
         CohesiveFrictional {
-            f_t: self.f_t.get(),
-            c: self.c.get(),
-            tan_phi: self.tan_phi.get(),
-            mu: self.mu.get(),
+            f_t: self.tensile_strength(),
+            c: self.cohesion(),
+            tan_phi: self.initial_friction(),
+            mu: self.residual_friction(),
             u_k: self.ultimate_opening(),
             delta_k: self.ultimate_slip(),
             zeta: self.zeta(),

@@ -1,4 +1,4 @@
-//! Kinds of joint laws in a deck: the law of each, and the keys that only some kinds read.
+//! Kinds of joint laws in a deck: the law of each, the keys that it requires, and which kinds read a key.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,14 @@ impl JointKind {
         }
     }
 
+    /// Keys without which a joint of the kind has no law.
+    pub(super) fn requires(self) -> &'static [&'static str] {
+        match self {
+            Self::CohesiveFrictional => &["f_t", "c", "tan_phi", "mu"],
+            Self::Cap => &["f_t", "c", "tan_phi", "mu", "f_m", "G_fc", "kappa_p"],
+        }
+    }
+
     /// The law of an interface with these stiffnesses [N/mm³].
     pub(super) fn law(self, interface: &Interface, normal: f64, shear: f64) -> InterfaceLaw {
         match self {
@@ -35,7 +43,7 @@ impl JointKind {
     }
 }
 
-/// A key of `[interfaces.NAME]` that only some kinds read.
+/// A key of `[interfaces.NAME]` that a kind may or may not read.
 pub(super) struct KindKey {
     /// Its name.
     pub(super) name: &'static str,
@@ -59,9 +67,14 @@ const fn key(
 
 const COHESIVE: &[JointKind] = &[JointKind::CohesiveFrictional];
 const CAP: &[JointKind] = &[JointKind::Cap];
+const BOTH: &[JointKind] = &[JointKind::CohesiveFrictional, JointKind::Cap];
 
-/// All keys that only some kinds read.
-pub(super) const KIND_KEYS: [KindKey; 14] = [
+/// All keys that need not be read by every kind.
+pub(super) const KIND_KEYS: [KindKey; 18] = [
+    key("f_t", BOTH, |f| f.f_t.is_some()),
+    key("c", BOTH, |f| f.c.is_some()),
+    key("tan_phi", BOTH, |f| f.tan_phi.is_some()),
+    key("mu", BOTH, |f| f.mu.is_some()),
     key("f_m", CAP, |f| f.f_m.is_some()),
     key("G_fc", CAP, |f| f.G_fc.is_some()),
     key("kappa_p", CAP, |f| f.kappa_p.is_some()),
@@ -77,3 +90,20 @@ pub(super) const KIND_KEYS: [KindKey; 14] = [
     key("delta_k", COHESIVE, |f| f.delta_k.is_some()),
     key("coupling", COHESIVE, |f| f.coupling != Coupling::default()),
 ];
+
+/// Schema of a joint that has a `name` of the catalogue, or all keys that its kind requires.
+pub(super) fn named_or_whole(schema: &mut schemars::Schema) {
+    let whole = [JointKind::CohesiveFrictional, JointKind::Cap].map(|kind| {
+        let mut required = kind.requires().to_vec();
+        if kind != JointKind::default() {
+            required.push("kind");
+        }
+        serde_json::json!({
+            "properties": { "kind": { "const": kind.name() } },
+            "required": required,
+        })
+    });
+    let named = serde_json::json!({ "required": ["name"] });
+    let choices: Vec<_> = std::iter::once(named).chain(whole).collect();
+    schema.insert("anyOf".to_owned(), choices.into());
+}

@@ -134,7 +134,7 @@ impl Joint<'_> {
             .strength?
             .f_t;
         let f_m = derived.f_m?.get();
-        let (c, t) = (self.of.c.get(), self.of.tan_phi.get());
+        let (c, t) = (self.of.cohesion(), self.of.initial_friction());
         let half = t * c - 0.5 * f_t;
         let root = half * half + t * t * (f_t * f_t - c * c);
         let pressure = if root > 0.0 {
@@ -174,15 +174,15 @@ impl Joint<'_> {
         let beyond = weaker.map_or(0.0, |(s, size)| s.crushing_of(*size));
         let energy = CapCurve::RISING * f_m * kappa_p + beyond.max(1e-3 * f_m);
         let (mode_1, mode_2) = (self.of.mode_1_energy(), self.of.mode_2_energy(0.0));
-        let c = joint.c.get();
-        let steepest = joint.tan_phi.get().max(joint.mu.get());
-        if steepest > 0.0 && joint.f_t.get() * steepest > c {
+        let c = joint.cohesion();
+        let steepest = joint.initial_friction().max(joint.residual_friction());
+        if steepest > 0.0 && joint.tensile_strength() * steepest > c {
             let most = c / steepest;
             notes.push(format!(
                 "f_t = {most:.4} MPa instead of {}, where the Coulomb line ends",
-                joint.f_t.get()
+                joint.tensile_strength()
             ));
-            joint.f_t = Pressure::new(most * (1.0 - 1e-9));
+            joint.f_t = Some(Pressure::new(most * (1.0 - 1e-9)));
         }
         let c_ss = said
             .C_ss
@@ -192,7 +192,7 @@ impl Joint<'_> {
         joint.kappa_p = Some(Length::new(kappa_p));
         joint.G_fc = Some(said.G_fc.unwrap_or(FractureEnergy::new(energy)));
         joint.C_ss = Some(Number::new(c_ss));
-        joint.G_I = (joint.f_t.get() > 0.0).then(|| FractureEnergy::new(mode_1));
+        joint.G_I = (joint.tensile_strength() > 0.0).then(|| FractureEnergy::new(mode_1));
         joint.G_II = (c > 0.0).then(|| FractureEnergy::new(mode_2));
         (joint.u_k, joint.delta_k, joint.zeta, joint.xi) = (None, None, None, None);
         joint.coupling = wythe_contact::Coupling::default();
@@ -201,9 +201,9 @@ impl Joint<'_> {
 
 /// Scales the strengths and energies of a joint that is filled in part.
 fn scale(joint: &mut Interface, filled: f64) {
-    joint.f_t = Pressure::new(filled * joint.f_t.get());
-    joint.c = Pressure::new(filled * joint.c.get());
-    joint.f_m = joint.f_m.map(|f| Pressure::new(filled * f.get()));
+    for strength in [&mut joint.f_t, &mut joint.c, &mut joint.f_m] {
+        *strength = strength.map(|f| Pressure::new(filled * f.get()));
+    }
     for energy in [&mut joint.G_I, &mut joint.G_II, &mut joint.G_fc] {
         *energy = energy.map(|g| FractureEnergy::new(filled * g.get()));
     }

@@ -79,20 +79,22 @@ impl Checks<'_> {
         let opening = Softening {
             keys: ["u_k", "G_I"],
             values: [f.u_k.given(), f.G_I.given()],
-            strength: ("f_t", f.f_t.get()),
+            strength: ("f_t", f.tensile_strength()),
         };
         let slip = Softening {
             keys: ["delta_k", "G_II"],
             values: [f.delta_k.given(), f.G_II.given()],
-            strength: ("c", f.c.get()),
+            strength: ("c", f.cohesion()),
         };
         self.either(path, &opening, dry);
         self.either(path, &slip, dry);
     }
 
-    /// Rejects keys of another law.
+    /// Rejects keys of another law, and asks for those that this law requires.
     fn keys_of_joint(&mut self, path: &str, f: &Interface) {
         for key in &KIND_KEYS {
+            let needed = f.kind.requires().contains(&key.name);
+            self.missing(path, key.name, needed && !(key.is_given)(f));
             self.require(
                 key.kinds.contains(&f.kind) || !(key.is_given)(f),
                 &format!("{path}.{}", key.name),
@@ -110,18 +112,16 @@ impl Checks<'_> {
     fn cap(&mut self, path: &str, f: &Interface) {
         let key = |name: &str| format!("{path}.{name}");
         let required = [
-            ("G_I", f.G_I, f.f_t.get() > 0.0),
-            ("G_II", f.G_II, f.c.get() > 0.0),
-            ("G_fc", f.G_fc, true),
+            ("G_I", f.G_I, f.tensile_strength() > 0.0),
+            ("G_II", f.G_II, f.cohesion() > 0.0),
         ];
         for (name, value, needed) in required {
             self.positive(&key(name), value);
             self.missing(path, name, needed && value.is_none());
         }
         self.positive(&key("f_m"), f.f_m);
-        self.missing(path, "f_m", f.f_m.is_none());
         self.positive(&key("kappa_p"), f.kappa_p);
-        self.missing(path, "kappa_p", f.kappa_p.is_none());
+        self.positive(&key("G_fc"), f.G_fc);
         self.positive(&key("C_nn"), f.C_nn);
         self.positive(&key("C_ss"), f.C_ss);
         self.not_negative(&key("tan_psi"), f.tan_psi);
@@ -133,8 +133,8 @@ impl Checks<'_> {
 
     /// Strength and dilatancy of a cap joint that its friction allows.
     fn friction_of_cap(&mut self, path: &str, f: &Interface) {
-        let (f_t, c) = (f.f_t.get(), f.c.get());
-        let steeper = f.tan_phi.get().max(f.mu.get());
+        let (f_t, c) = (f.tensile_strength(), f.cohesion());
+        let steeper = f.initial_friction().max(f.residual_friction());
         self.require(
             f_t * steeper <= c,
             &format!("{path}.f_t"),
@@ -146,7 +146,7 @@ impl Checks<'_> {
         );
         let (tan_psi, least) = (
             f.tan_psi.map_or(0.0, Quantity::get),
-            f.tan_phi.get().min(f.mu.get()),
+            f.initial_friction().min(f.residual_friction()),
         );
         self.require(
             tan_psi <= least,
@@ -174,7 +174,7 @@ impl Checks<'_> {
             "give a larger G_fc or a smaller kappa_p",
         );
         let [_, c_ss] = f.cap_weights();
-        let c = f.c.get();
+        let c = f.cohesion();
         let (needed, residual) = (c * c_ss.sqrt(), CapCurve::RESIDUAL * f_m);
         self.require(
             needed <= residual,
