@@ -150,6 +150,111 @@ fn a_block_slides() {
     assert!(secant > 0.0 && found.bilinear.unwrap().ductility > 1.0);
 }
 
+/// A dry wall that is pushed at its top.
+const PUSHED: &str = r#"
+format = 1
+
+[materials.unit]
+E = "10 GPa"
+nu = 0.2
+density = "1800 kg/m^3"
+
+[interfaces.dry]
+f_t = 0
+c = 0
+tan_phi = 0.2
+mu = 0.2
+
+[wall]
+name = "pushed"
+unit = ["200 mm", "100 mm", "100 mm"]
+bed_joint = 0
+head_joint = 0
+length = "600 mm"
+courses = 3
+unit_material = "unit"
+interface = "dry"
+mesh = [2, 1, 1]
+clamped = false
+
+[[supports]]
+on = "pushed.bottom"
+
+[[steps]]
+kind = "preload"
+face = "pushed.top"
+pressure = "0.5 MPa"
+
+[[steps]]
+kind = "drive"
+face = "pushed.top"
+direction = "x"
+displacement = -2
+free = ["z"]
+"#;
+
+/// A wall as that of [`PUSHED`], on a support of its own.
+fn wall_beside(name: &str, at: &str, along: &str) -> String {
+    format!(
+        r#"
+[[walls]]
+name = "{name}"
+at = {at}
+along = "{along}"
+unit = ["200 mm", "100 mm", "100 mm"]
+bed_joint = 0
+head_joint = 0
+length = "600 mm"
+courses = 3
+unit_material = "unit"
+interface = "dry"
+mesh = [2, 1, 1]
+
+[[supports]]
+on = "{name}.bottom"
+
+"#
+    )
+}
+
+#[test]
+fn each_wall_along_the_drive_has_its_own_mode() {
+    let alone = answers(&Model::from_deck(&deck(PUSHED)).unwrap().0);
+    assert_eq!(alone.failure_mode, Some(FailureMode::BedSliding));
+    assert!(alone.walls.is_empty(), "one wall is the whole");
+    // A wall beside it on which nothing acts, and one across it.
+    let walls = [
+        wall_beside("idle", r#"[0, "1 m", 0]"#, "x"),
+        wall_beside("across", r#"["2 m", 0, 0]"#, "y"),
+    ];
+    let (preload, gravity) = (
+        "[[steps]]\nkind = \"preload\"",
+        "[[steps]]\nkind = \"gravity\"",
+    );
+    let text = PUSHED.replace(
+        preload,
+        &format!("{}{gravity}\n\n{preload}", walls.concat()),
+    );
+    let found = answers(&Model::from_deck(&deck(&text)).unwrap().0);
+    let [pushed, idle] = &found.walls[..] else {
+        panic!("{:?}", found.walls);
+    };
+    assert_eq!((&*pushed.name, &*idle.name), ("pushed", "idle"));
+    assert_eq!(pushed.failure_mode, Some(FailureMode::BedSliding));
+    assert!((pushed.displacement_mm + 2.0).abs() < 1e-9);
+    // The same joint slides as in the wall alone; the weight, 3 kPa of 500, does not matter.
+    let (own, whole) = (&pushed.failure_measure, &alone.failure_measure.unwrap());
+    assert_eq!(own.height_of_slip_mm, whole.height_of_slip_mm);
+    assert!((own.slip_over_drift - whole.slip_over_drift).abs() < 0.01);
+    assert_eq!(
+        own.inner_courses, 1,
+        "that of three which is in the middle half"
+    );
+    assert_eq!(idle.failure_mode, None);
+    assert!(idle.displacement_mm.abs() < 1e-3);
+    assert_eq!(idle.failure_measure.compressive_damage, 0.0);
+}
+
 #[test]
 fn a_wall_cracks_along_a_stepped_diagonal() {
     let found = answers(&wall());

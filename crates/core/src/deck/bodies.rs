@@ -16,6 +16,7 @@ use crate::element::hexahedron::{area_vector, norm};
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::Mesh;
+use crate::model::mesh::WallOfUnits;
 use crate::model::scene::{HeldBy, Spring, Support};
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -184,6 +185,20 @@ impl<'a> Bodies<'a> {
             names[body.number as usize].clone_from(&body.name);
         }
         names
+    }
+
+    /// Walls of masonry with the numbers of their bodies in the mesh.
+    pub(super) fn walls_of_units(&self) -> Vec<WallOfUnits> {
+        let of_wall = |wall: &Masonry<'_>| {
+            let bodies = &self.all[wall.bodies.clone()];
+            let mut units: Vec<u32> = bodies.iter().map(|body| body.number).collect();
+            units.sort_unstable();
+            WallOfUnits {
+                name: wall.name.clone(),
+                units,
+            }
+        };
+        self.walls.iter().map(of_wall).collect()
     }
 
     /// Name of a body in messages.

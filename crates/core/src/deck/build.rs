@@ -59,6 +59,7 @@ impl Model {
         errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
         let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
+        bodies.mesh.walls = bodies.walls_of_units();
         let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
         let mut ties = ties.unwrap_or_default();
         let laid_floors = errors.keep(floors::floors(deck, &bodies, &mut parts.loading.steps));

@@ -24,8 +24,19 @@ pub struct Mesh {
     pub course: Vec<u16>,
     /// Names of the bodies in the deck. `[unit]`
     pub names: Vec<String>,
+    /// Walls of masonry, of which the bodies are units or lintels.
+    pub walls: Vec<WallOfUnits>,
     /// Image nodes beyond planes of symmetry, of elements that lie across a plane. Ascending by node.
     pub reflected: Vec<Reflected>,
+}
+
+/// A wall of masonry.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WallOfUnits {
+    /// Name in the deck.
+    pub name: String,
+    /// Its bodies, ascending.
+    pub units: Vec<u32>,
 }
 
 /// An image node in planes of symmetry: u = sign ∘ u_of.

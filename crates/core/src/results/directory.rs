@@ -328,6 +328,8 @@ impl RunDirectory {
         writing(&path, FIELDS, |_| fields.finish())?;
         // Fields that cannot be read back leave out the answers that need them, and end no run.
         let frames = RunFolder::open(&path).and_then(|folder| Snapshots::open(&folder));
+        // The folder of a program's own run may have no deck.
+        let frames = frames.map(|frames| frames.of_model(model));
         let answers = Answers::of_run(model, run, &curve, frames.as_ref().ok());
         writing(&path, LOAD_DISPLACEMENT, |file| {
             let svg = picture_of(&path, model, &curve).map_err(io::Error::other)?;

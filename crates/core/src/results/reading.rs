@@ -14,7 +14,7 @@ use crate::deck::Deck;
 use crate::files;
 use crate::model::Model;
 use crate::model::columns::FIXED;
-use crate::state::HistoryRow;
+use crate::state::{HistoryRow, Method};
 
 /// Largest size of a text file that is read [byte]. Ten million rows of a history take less.
 const MOST_TEXT: u64 = 1 << 32;
@@ -124,13 +124,22 @@ impl ReadHistory {
         driven
     }
 
-    /// Load-displacement curve of the driven steps.
+    /// Load-displacement curve of the driven steps. Without a deck, a step that is not solved with inertia as a whole
+    /// seeks equilibria.
     pub fn curve(&self) -> Curve {
         let mut curve = Curve::default();
         let steps = self.steps.as_deref().unwrap_or_default();
-        for (row, driven) in self.rows.iter().zip(self.driven()) {
-            let of = steps.get(row.step).copied().unwrap_or_default();
-            curve.push(row, StepOfCurve { driven, ..of });
+        let mut driven = self.driven().into_iter();
+        for rows in self.rows.chunk_by(|a, b| a.step == b.step) {
+            let seeks_equilibrium = rows.iter().any(|r| r.procedure != Method::QuasiStatic);
+            let unknown = StepOfCurve {
+                seeks_equilibrium,
+                ..StepOfCurve::default()
+            };
+            let of = steps.get(rows[0].step).copied().unwrap_or(unknown);
+            for (row, driven) in rows.iter().zip(&mut driven) {
+                curve.push(row, StepOfCurve { driven, ..of });
+            }
         }
         curve
     }
@@ -404,6 +413,37 @@ mod tests {
         assert_eq!(open.summary().unwrap().unwrap().peak_force_kN, Some(20.0));
         assert_eq!(open.fields().unwrap().times().len(), 3);
         assert_eq!(open.deck().unwrap(), None);
+    }
+
+    #[test]
+    fn without_a_deck_a_force_that_inertia_carries_is_no_peak() {
+        let row = |displacement: f64, force: f64, procedure| HistoryRow {
+            displacement_mm: displacement,
+            force_kN: force,
+            procedure,
+            kinetic_energy_J: if procedure == Method::Static {
+                0.0
+            } else {
+                5.0
+            },
+            ..HistoryRow::default()
+        };
+        let rows = vec![
+            row(1.0, 80.0, Method::Static),
+            row(1.1, 160.0, Method::QuasiStatic),
+            row(1.2, 70.0, Method::Static),
+        ];
+        let history = ReadHistory {
+            rows: rows.clone(),
+            ..ReadHistory::default()
+        };
+        assert_eq!(history.curve().peak().unwrap().force, 80.0);
+        // Where the deck names inertia as the procedure, its forces are the result.
+        let history = ReadHistory {
+            rows: vec![rows[1].clone()],
+            ..ReadHistory::default()
+        };
+        assert_eq!(history.curve().peak().unwrap().force, 160.0);
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use super::vtkhdf::read::{FieldsFile, RestMesh, RestSurface};
-use super::{ReadError, ReadHistory, RunFolder};
-use crate::model::Mesh;
+use super::{ReadError, ReadHistory, RunFolder, StepOfCurve};
+use crate::model::{Mesh, Model};
 use crate::state::{Frame, HistoryRow};
 
 /// Choice of a frame.
@@ -64,6 +64,7 @@ impl From<RestMesh> for Mesh {
             unit: rest.unit,
             course: rest.course,
             names: Vec::new(),
+            walls: Vec::new(),
             reflected: Vec::new(),
         }
     }
@@ -101,6 +102,13 @@ impl Snapshots {
             file,
             rest,
         })
+    }
+
+    /// With the curve of a model, whatever the folder says of its steps.
+    #[must_use]
+    pub fn of_model(mut self, model: &Model) -> Self {
+        self.history.steps = Some(StepOfCurve::all(model));
+        self
     }
 
     /// Number of frames.

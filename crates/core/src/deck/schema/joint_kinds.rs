@@ -99,7 +99,7 @@ pub(super) fn named_or_whole(schema: &mut schemars::Schema) {
             required.push("kind");
         }
         serde_json::json!({
-            "properties": { "kind": { "const": kind.name() } },
+            "properties": { "kind": { "const": kind.name(), "description": "Law of the joint." } },
             "required": required,
         })
     });

@@ -158,6 +158,7 @@ impl Cut<'_> {
     fn mesh(&self, mesh: &Mesh) -> Mesh {
         let mut half = Mesh {
             names: mesh.names.clone(),
+            walls: mesh.walls.clone(),
             ..Mesh::default()
         };
         for (n, x) in mesh.nodes.iter().enumerate() {

@@ -99,10 +99,11 @@ pub struct FailureMeasure {
 impl FailureMeasure {
     /// Measures the last frame, of which the top has moved by `travel` [mm].
     pub fn of(scene: &Scene, last: &Snapshot, travel: f64, force_lost: bool) -> Self {
+        let damage = |e: &usize| last.frame.compressive_damage[*e];
         let mut measure = Self {
             force_lost,
             inner_courses: scene.inner.len(),
-            compressive_damage: largest(&last.frame.compressive_damage),
+            compressive_damage: scene.solids.iter().map(damage).fold(0.0, f64::max),
             ..Self::default()
         };
         measure.add_beds(scene, last, travel);
@@ -212,10 +213,6 @@ impl Base {
             eccentricity,
         })
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

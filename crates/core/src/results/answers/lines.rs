@@ -62,6 +62,9 @@ impl Answers {
         if let Some(mode) = self.failure_mode {
             line("failure", mode.told().to_owned());
         }
+        for wall in &self.walls {
+            line("wall", wall.told());
+        }
         for (when, cracks) in [
             ("at the peak", &self.cracks_at_peak),
             ("at the end", &self.cracks_at_end),

@@ -23,6 +23,7 @@ mod scene;
 mod sections;
 #[cfg(test)]
 mod tests;
+mod walls;
 
 use std::collections::BTreeMap;
 
@@ -38,6 +39,7 @@ pub use loops::{Loop, loops};
 pub use performance::{LimitState, PerformancePoint, at_drifts, of_code};
 pub use place::Place;
 pub use sections::SectionForces;
+pub use walls::WallAnswer;
 
 use super::snapshot::Snapshots;
 use super::{Curve, FrameChoice, Snapshot};
@@ -79,6 +81,8 @@ pub struct Answers {
     pub failure_mode: Option<FailureMode>,
     /// Quantities by which the mode is told; `None` if nothing moves sideways.
     pub failure_measure: Option<FailureMeasure>,
+    /// Mode of failure of each wall along the drive; empty if the model has one wall only.
+    pub walls: Vec<WallAnswer>,
     /// Widest cracks at the frame nearest to the peak; `None` if nothing is driven.
     pub cracks_at_peak: Option<CrackWidths>,
     /// Widest cracks at the last frame.
@@ -193,6 +197,7 @@ impl Answers {
         }
         self.failure_mode = measure.mode();
         self.failure_measure = Some(measure);
+        self.walls = walls::of_walls(model, scene.axis, (peak, last), lost);
         let side = Backbone::of(curve, false);
         if let (Some(side), Some(height), Some(mode)) = (side, self.height_mm, self.failure_mode) {
             let slenderness = peak.and_then(|peak| slenderness(&scene, peak, curve));

@@ -1,11 +1,12 @@
 //! Geometry of a driven model: direction and height of the drive, bed and head joints, courses.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::place::middle;
-use crate::element::hexahedron::area_vector;
+use crate::element::hexahedron::{area_vector, range};
 use crate::model::Model;
 use crate::model::drive::{Drive, largest};
+use crate::model::mesh::WallOfUnits;
 use crate::model::surfaces::ContactPoints;
 use crate::results::Snapshot;
 use crate::results::comparison::clear_height;
@@ -18,7 +19,7 @@ pub enum Lie {
     Bed,
     /// Its normal is closest to the direction of the drive.
     Head,
-    /// Its normal is closest to the third direction.
+    /// Its normal is closest to the third direction, or it is a joint of another wall.
     Other,
 }
 
@@ -44,14 +45,16 @@ pub struct Course {
     pub units: Vec<usize>,
 }
 
-/// Geometry that the mode of failure refers to.
+/// Geometry that the mode of failure refers to: of the whole model, or of one of its walls.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Horizontal direction of the drive: 0 or 1 for x or y.
     pub axis: usize,
     /// Height of the support and of the top [mm]: the ends of the clear height, or of the solids if there is none.
     pub levels: [f64; 2],
-    /// Contact points. `[point]`
+    /// Elements.
+    pub solids: Vec<usize>,
+    /// Contact points, those of other walls too. `[point]`
     pub points: Vec<JointPoint>,
     /// Courses in the middle half of the height.
     pub inner: Vec<Course>,
@@ -71,19 +74,53 @@ impl Scene {
     /// Geometry of a model, with its joints at a frame; `None` if nothing moves it sideways.
     pub fn of(model: &Model, snapshot: &Snapshot) -> Option<Self> {
         let axis = axis_of(model, snapshot)?;
-        let levels = levels(model);
-        let points = points(model, axis);
+        Some(Self::of_part(model, axis, levels(model), |_| true))
+    }
+
+    /// Geometry of a wall, if its longer side runs along the horizontal direction `axis`.
+    pub fn of_wall(model: &Model, wall: &WallOfUnits, axis: usize) -> Option<Self> {
+        let is_of_wall = |unit: u32| wall.units.binary_search(&unit).is_ok();
+        let mesh = &model.mesh;
+        let elements = (0..mesh.elements.len()).filter(|e| is_of_wall(mesh.unit[*e]));
+        let nodes: BTreeSet<u32> = elements.flat_map(|e| mesh.elements[e]).collect();
+        let extent = |axis: usize| range(nodes.iter().map(|n| mesh.nodes[*n as usize][axis]));
+        let [along, across] = [axis, 1 - axis].map(|axis| extent(axis)[1] - extent(axis)[0]);
+        let [lowest, top] = extent(2);
+        let held = model.supports.iter().filter(|s| s.fixed[2]);
+        let held = held.flat_map(|s| &s.nodes).filter(|n| nodes.contains(n));
+        let bottom = held.fold(lowest, |z, n| z.max(mesh.nodes[*n as usize][2]));
+        (along > across).then(|| Self::of_part(model, axis, [bottom, top], is_of_wall))
+    }
+
+    fn of_part(
+        model: &Model,
+        axis: usize,
+        levels: [f64; 2],
+        is_inside: impl Fn(u32) -> bool,
+    ) -> Self {
+        let mut points = points(model, axis);
+        for (point, of_facet) in points.chunks_mut(4).zip(&model.contact.slave_body) {
+            if !is_inside(*of_facet) {
+                point.iter_mut().for_each(|p| p.lie = Lie::Other);
+            }
+        }
+        let units = model.mesh.unit.iter().enumerate();
+        let solids: Vec<usize> = units
+            .filter(|(_, unit)| is_inside(**unit))
+            .map(|(e, _)| e)
+            .collect();
         let size = (levels[1] - levels[0]).abs();
         let beds = beds(&points, SAME * size);
         let base = beds.first().map_or(&[][..], |bed| bed);
-        Some(Self {
+        Self {
             axis,
             levels,
-            inner: inner(model, levels),
+            inner: inner(model, levels, &solids),
+            solids,
             ends_of_base: ends(model, base, axis),
             beds,
             points,
-        })
+        }
     }
 }
 
@@ -176,12 +213,12 @@ fn beds(points: &[JointPoint], near: f64) -> Vec<Vec<usize>> {
 }
 
 /// Courses within the middle half of the height; of a wall so low that it has none, those whose middle lies there.
-fn inner(model: &Model, [bottom, top]: [f64; 2]) -> Vec<Course> {
+fn inner(model: &Model, [bottom, top]: [f64; 2], solids: &[usize]) -> Vec<Course> {
     let mesh = &model.mesh;
     let of_unit = unit_materials(model);
     let mut courses: BTreeMap<u16, Course> = BTreeMap::new();
-    for (e, number) in mesh.course.iter().enumerate() {
-        let course = courses.entry(*number).or_insert_with(|| Course {
+    for &e in solids {
+        let course = courses.entry(mesh.course[e]).or_insert_with(|| Course {
             levels: [f64::INFINITY, f64::NEG_INFINITY],
             units: Vec::new(),
         });

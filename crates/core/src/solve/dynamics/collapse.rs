@@ -104,13 +104,16 @@ impl Run<'_> {
         let Some(last_equilibrium) = &mut self.last_equilibrium else {
             return false;
         };
-        if !prescribes(step_run.step) && !is_moving(energies.kinetic, before, energies.taken()) {
+        let hastens = energies.kinetic > before;
+        let moves = is_moving(energies.kinetic, before, energies.taken());
+        if !prescribes(step_run.step) && !moves {
             // The loads grow at rest: the wall carried those at the start of the increment. At its end it may have begun to
-            // slide.
-            self.depart(step_run.index, carried);
+            // slide. A fall begins slowly, with a kinetic energy that grows from increment to increment.
+            if !hastens {
+                self.depart(step_run.index, carried);
+            }
             return false;
         }
-        let hastens = energies.kinetic > before;
         last_equilibrium.hastens = hastens;
         if energies.moving() <= QUIET {
             return false;

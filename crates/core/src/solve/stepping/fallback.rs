@@ -41,6 +41,15 @@ const EASY: usize = 2;
 /// Increments in which the load must rise before a path is left for statics; doubled each time.
 const RISING: usize = 2;
 
+/// Sizes down to which static increments are cut, as parts of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// Where a body comes loose: before inertia carries it. Infinite: inertia carries it at once.
+    pub before_motion: f64,
+    /// In any other trouble: before another method is tried.
+    pub of_statics: f64,
+}
+
 /// Answer to a rejection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
@@ -227,18 +236,26 @@ impl Fallback {
         self.floor
     }
 
-    /// Answer to the rejection of an increment of this size. `spent`: its path cannot be cut further.
-    pub fn rejected(&mut self, rejection: &Rejection, size: f64, spent: bool) -> Answer {
+    /// Answer to the rejection of an increment of this size. `least`: see [`Least`]; `spent`: its path cannot be cut
+    /// further.
+    pub fn rejected(
+        &mut self,
+        rejection: &Rejection,
+        size: f64,
+        least: Least,
+        spent: bool,
+    ) -> Answer {
         let higher = self.at + 1 < self.choices.len();
-        let free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
+        let comes_free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
+        let free = comes_free && size <= least.before_motion;
         let enough = match self.method() {
             _ if spent => true,
             Method::Static | Method::DisplacementControl if self.at + 1 < self.statics => {
                 self.stalls += 1;
-                self.stalls >= STALLS || self.is_small(size) || free
+                self.stalls >= STALLS || size <= least.of_statics || free
             }
-            Method::Static => self.is_small(size) || (free && self.inertia().is_some()),
-            Method::DisplacementControl => self.is_small(size) && self.inertia().is_some(),
+            Method::Static => size <= least.of_statics || (free && self.inertia().is_some()),
+            Method::DisplacementControl => size <= least.of_statics && self.inertia().is_some(),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
         };

@@ -68,7 +68,8 @@ impl Run<'_> {
             step_run.schedule.resume(step_run.step.increments.max);
             return true;
         }
-        let mut answer = step_run.fallback.rejected(rejection, size, spent);
+        let least = step_run.least();
+        let mut answer = step_run.fallback.rejected(rejection, size, least, spent);
         if method.follows_path() && !on_path && step_run.fallback.is_small(size) {
             // Without dissipation so far, no path is known. Learn it from the rejected increment.
             if self.guess(step_run, method, size) {
@@ -79,7 +80,7 @@ impl Run<'_> {
             && !on_path
             && step_run.schedule.cut(request.increment, CUT).is_err()
         {
-            answer = step_run.fallback.rejected(rejection, size, true);
+            answer = step_run.fallback.rejected(rejection, size, least, true);
         }
         match answer {
             Answer::Cut => {}

@@ -111,7 +111,8 @@ impl<'m> Run<'m> {
             // presses yet are all loose, and bodies in general contact fly.
             Procedure::Auto if loose => {
                 let in_a_wall = self.state.increments > 0 && self.model.contact.general.is_none();
-                in_a_wall && step_run.fallback.would_move(size)
+                let is_resolved = !step_run.is_fresh() || size <= step_run.least().before_motion;
+                in_a_wall && is_resolved && step_run.fallback.would_move(size)
             }
             Procedure::Auto => step_run.fallback.may_snap(),
             Procedure::DisplacementControl => !loose,

@@ -2,7 +2,7 @@
 
 use super::acceptance::resolving;
 use super::explain::progress;
-use super::fallback::Fallback;
+use super::fallback::{Fallback, Least};
 use super::path::{Advance, PathMeasure};
 use super::peak_control::PeakWatch;
 use super::snap::Relaxations;
@@ -185,6 +185,39 @@ impl<'m> StepRun<'m> {
         });
     }
 
+    /// Whether no increment of the step is accepted yet.
+    pub(in crate::solve) fn is_fresh(&self) -> bool {
+        self.branch.index == 0 && self.schedule.done() == 0.0
+    }
+
+    /// Sizes down to which the next static increment is cut. The first of a step is cut until the structure is elastic
+    /// in it, however far the step goes. A load at which bodies come loose is found to the part `increments.peak` of
+    /// itself. A drive goes on beyond that, and inertia carries the bodies at once.
+    pub(in crate::solve) fn least(&self) -> Least {
+        let (floor, increments) = (self.fallback.floor(), self.step.increments);
+        let first = floor.min(FIRST * increments.initial);
+        let loads = !self.step.drives() && self.step.control.is_none();
+        match (self.is_fresh(), loads) {
+            (true, _) => Least {
+                before_motion: first,
+                of_statics: first,
+            },
+            (false, true) => {
+                let limit = floor.min(increments.peak * self.load.abs());
+                // Without solids that soften, any trouble is that of a limit load.
+                let softens = self.fallback.may_snap();
+                Least {
+                    before_motion: limit,
+                    of_statics: if softens { floor } else { limit },
+                }
+            }
+            (false, false) => Least {
+                before_motion: f64::INFINITY,
+                of_statics: floor,
+            },
+        }
+    }
+
     /// Part of the step's drives and loads that the increment adds, where these are prescribed.
     pub(in crate::solve) fn part(&self, request: &IncrementRequest) -> f64 {
         let (start, size) = (request.increment.start, request.increment.size);
@@ -319,6 +352,9 @@ impl<'m> StepRun<'m> {
         }
     }
 }
+
+/// Size down to which the first increment of a step is cut, as a part of its given size.
+const FIRST: f64 = 1e-3;
 
 /// Largest displacement of a drive in a step [mm]; infinite without drive.
 fn longest_drive(step: &Step) -> f64 {
