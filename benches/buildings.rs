@@ -88,11 +88,15 @@ fn solved(run: &Run, pool: &ThreadPool, out: &Path) -> SummaryFile {
     })
 }
 
-/// Row of a limit analysis with associated and with non-dilatant friction.
+/// Row of a limit analysis with associated friction, one program.
 fn limit_row(run: &Run, pool: &ThreadPool) -> String {
     let (model, _) = model(run);
     let (cpu, wall) = (cpu_seconds().expect("a clock"), Instant::now());
-    let found = pool.install(|| analyse(&model, &LimitSettings::default()));
+    let settings = LimitSettings {
+        associated: true,
+        ..LimitSettings::default()
+    };
+    let found = pool.install(|| analyse(&model, &settings));
     let found = found.expect("a factor");
     let (cpu, wall) = (
         cpu_seconds().expect("a clock") - cpu,

@@ -282,12 +282,9 @@ fn a_wall_falls_at_the_load_that_it_carried_last() {
     // p H L H/2 = W t/2 with W = ρ g t H L: p = ρ g t²/H.
     let exact = 2e-9 * 9810.0 * 200.0 * 200.0 / 900.0 / 5e-3;
     let factor = summary.fall.unwrap().load_factor;
-    // Joints yield elastically at the edge, which turns the wall about a line within it. The load itself is found to
-    // `increments.peak`, 0.5 %.
-    assert!(
-        (0.97..1.0).contains(&(factor / exact)),
-        "{factor} of {exact}"
-    );
+    // `increments.peak` finds the load to 0.5 %, and the fall begins so slowly that an increment or two more count as at
+    // rest.
+    assert!((factor / exact - 1.0).abs() < 0.01, "{factor} of {exact}");
 }
 
 /// A block that a force at its top turns about an edge, or a force along its foot pushes.
