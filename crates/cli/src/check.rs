@@ -50,28 +50,33 @@ fn draw(model: &Model, picture: &Path, inputs: &[PathBuf]) -> Result<(), Failure
     write_picture(picture, scene(model), inputs)
 }
 
+/// The object of a file that cannot be read.
+fn unread(file: &str, failure: &Failure) -> Value {
+    let (message, help) = failure.in_words();
+    let error = json!({
+        "kind": ErrorKind::File.name(),
+        "file": file,
+        "key": "",
+        "line": null,
+        "column": null,
+        "message": message,
+        "help": help,
+    });
+    json!({
+        "file": file,
+        "ok": false,
+        "layer": "file",
+        "errors": [error],
+        "warnings": [],
+    })
+}
+
 /// Prints one JSON object, whether the model is right or wrong.
 fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(), Failure> {
     let file = path.display().to_string();
     let (object, outcome): (Value, _) = match found {
         Err(Unsound::Unread(failure)) => {
-            let (message, help) = failure.in_words();
-            let error = json!({
-                "kind": ErrorKind::File.name(),
-                "file": file,
-                "key": "",
-                "line": null,
-                "column": null,
-                "message": message,
-                "help": help,
-            });
-            let object = json!({
-                "file": file,
-                "ok": false,
-                "layer": "file",
-                "errors": [error],
-                "warnings": [],
-            });
+            let object = unread(&file, &failure);
             (object, Err(failure))
         }
         Err(Unsound::Wrong(layer, error)) => {

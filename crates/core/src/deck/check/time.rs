@@ -98,7 +98,7 @@ pub(super) fn in_words([low, high]: [f64; 2]) -> String {
     };
     let [low, high] = [low, high].map(|time| {
         let value = time / unit;
-        let decimals = if value < 9.95 { 1 } else { 0 };
+        let decimals = usize::from(value < 9.95);
         format!("{value:.decimals$}")
     });
     format!("{low} to {high} {name}")

@@ -99,9 +99,9 @@ impl Scene {
         is_inside: impl Fn(u32) -> bool,
     ) -> Self {
         let mut points = points(model, axis);
-        for (point, of_facet) in points.chunks_mut(4).zip(&model.contact.slave_body) {
-            if !is_inside(*of_facet) {
-                point.iter_mut().for_each(|p| p.lie = Lie::Other);
+        for (p, point) in points.iter_mut().enumerate() {
+            if !is_inside(model.contact.slave_body[p / 4]) {
+                point.lie = Lie::Other;
             }
         }
         let units = model.mesh.unit.iter().enumerate();
