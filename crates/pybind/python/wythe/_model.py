@@ -289,6 +289,7 @@ class Model:
                 fix=said.get("fix", ""),
             )
 
+        low, high = found["processor_time_s"] or (0.0, 0.0)
         return Findings(
             ok=found["ok"],
             title=found["title"],
@@ -296,7 +297,7 @@ class Model:
             warnings=tuple(map(problem, found["warnings"])),
             notes=tuple(found["notes"]),
             memory_MB=found["memory_MB"] or 0.0,
-            processor_time_s=tuple(found["processor_time_s"] or (0.0, 0.0)),
+            processor_time_s=(low, high),
             **sizes,
         )
 
