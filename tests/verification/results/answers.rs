@@ -150,36 +150,8 @@ fn a_block_slides() {
     assert!(secant > 0.0 && found.bilinear.unwrap().ductility > 1.0);
 }
 
-/// A dry wall that is pushed at its top.
-const PUSHED: &str = r#"
-format = 1
-
-[materials.unit]
-E = "10 GPa"
-nu = 0.2
-density = "1800 kg/m^3"
-
-[interfaces.dry]
-f_t = 0
-c = 0
-tan_phi = 0.2
-mu = 0.2
-
-[wall]
-name = "pushed"
-unit = ["200 mm", "100 mm", "100 mm"]
-bed_joint = 0
-head_joint = 0
-length = "600 mm"
-courses = 3
-unit_material = "unit"
-interface = "dry"
-mesh = [2, 1, 1]
-clamped = false
-
-[[supports]]
-on = "pushed.bottom"
-
+/// Steps that push the top of the wall `pushed`.
+const PUSH: &str = r#"
 [[steps]]
 kind = "gravity"
 
@@ -196,8 +168,8 @@ displacement = -2
 free = ["z"]
 "#;
 
-/// A wall as that of [`PUSHED`], on a support of its own.
-fn wall_beside(name: &str, at: &str, along: &str) -> String {
+/// A dry wall of three courses on a support of its own.
+fn dry_wall(name: &str, at: &str, along: &str) -> String {
     format!(
         r#"
 [[walls]]
@@ -209,30 +181,29 @@ bed_joint = 0
 head_joint = 0
 length = "600 mm"
 courses = 3
-unit_material = "unit"
+unit_material = "stone"
 interface = "dry"
 mesh = [2, 1, 1]
 
 [[supports]]
 on = "{name}.bottom"
-
 "#
     )
 }
 
 #[test]
 fn each_wall_along_the_drive_has_its_own_mode() {
-    let alone = answers(&Model::from_deck(&deck(PUSHED)).unwrap().0);
+    let pushed = dry_wall("pushed", "[0, 0, 0]", "x");
+    let alone = answers(&model(&pushed, PUSH));
     assert_eq!(alone.failure_mode, Some(FailureMode::BedSliding));
     assert!(alone.walls.is_empty(), "one wall is the whole");
     // A wall beside it on which nothing acts, and one across it.
     let walls = [
-        wall_beside("idle", r#"[0, "1 m", 0]"#, "x"),
-        wall_beside("across", r#"["2 m", 0, 0]"#, "y"),
+        pushed,
+        dry_wall("idle", r#"[0, "1 m", 0]"#, "x"),
+        dry_wall("across", r#"["2 m", 0, 0]"#, "y"),
     ];
-    let gravity = "[[steps]]\nkind = \"gravity\"";
-    let text = PUSHED.replace(gravity, &format!("{}{gravity}", walls.concat()));
-    let found = answers(&Model::from_deck(&deck(&text)).unwrap().0);
+    let found = answers(&model(&walls.concat(), PUSH));
     let [pushed, idle] = &found.walls[..] else {
         panic!("{:?}", found.walls);
     };

@@ -10,14 +10,14 @@ use crate::model::Model;
 use crate::model::scene::Step;
 use crate::model::sizes::sizes;
 
-/// Estimated processor time [s] of the steps: where an increment takes few solves, because little cracks, and
-/// where it takes many, because units snap and increments are repeated.
+/// Estimated processor time [s] of the steps: where an increment takes few solves, because little cracks, and where it
+/// takes many, because units snap and increments are repeated.
 ///
 /// The sum over the steps has at least one increment for each `increments.max` of every branch of the amplitude, and
 /// the time of a solve: contact points, elements, and the linear equations, whose number of operations grows as that of
-/// a plane grid with 3 w unknowns in each of its points, where a wall is w nodes thick; scenes without walls count as a cube. The constants are measured on
-/// walls of 1,000 to 180,000 unknowns. Of 134 runs of more than a second 10 took less than the range and 32 more, 24
-/// of these because most of their increments were motion with inertia.
+/// a plane grid with 3 w unknowns in each of its points, where a wall is w nodes thick; scenes without walls count as a
+/// cube. The constants are measured on walls of 1,000 to 180,000 unknowns. Of 134 runs of more than a second 10 took
+/// less than the range and 32 more, 24 of these because most of their increments were motion with inertia.
 pub(super) fn seconds(deck: &Deck, model: &Model) -> [f64; 2] {
     let increments: f64 = model.steps.iter().map(increments).sum();
     let solve = a_solve(deck, model);
@@ -42,12 +42,13 @@ fn increments(step: &Step) -> f64 {
 
 /// Processor time of a solve with all that belongs to it [s].
 fn a_solve(deck: &Deck, model: &Model) -> f64 {
-    let points = sizes(model).contact_points as f64;
+    let sizes = sizes(model);
     let laws = &model.contact.laws;
     let has_caps = laws.iter().any(|law| matches!(law, InterfaceLaw::Cap(_)));
     let point = if has_caps { CAP_POINT } else { POINT };
     let elements = model.mesh.elements.len() - rigid_elements(model).count();
-    points * point + elements as f64 * ELEMENT + equations(deck, model)
+    let equations = equations(deck, model, unknowns(model, sizes.dofs));
+    sizes.contact_points as f64 * point + elements as f64 * ELEMENT + equations
 }
 
 /// Elements of units that are taken as rigid bodies.
@@ -56,15 +57,15 @@ fn rigid_elements(model: &Model) -> impl Iterator<Item = usize> {
     (0..model.mesh.elements.len()).filter(is_rigid)
 }
 
-/// Unknowns of the linear equations: a rigid body has six, and its nodes have none.
-fn unknowns(model: &Model) -> f64 {
+/// Unknowns of the linear equations, of `dofs` of all nodes: a rigid body has six, and its nodes have none.
+fn unknowns(model: &Model, dofs: usize) -> f64 {
     let mesh = &model.mesh;
     let (mut units, mut nodes) = (HashSet::new(), HashSet::new());
     for e in rigid_elements(model) {
         units.insert(mesh.unit[e]);
         nodes.extend(mesh.elements[e]);
     }
-    let kept = sizes(model).dofs.saturating_sub(3 * nodes.len());
+    let kept = dofs.saturating_sub(3 * nodes.len());
     (kept + 6 * units.len()).max(1) as f64
 }
 
@@ -78,9 +79,8 @@ const ELEMENT: f64 = 6e-6;
 /// Processor time of an equation [s], where 10,000 of them are those of a wall with nine unknowns through its thickness.
 const EQUATION: f64 = 0.7e-6;
 
-/// Processor time of the linear equations of a solve [s].
-fn equations(deck: &Deck, model: &Model) -> f64 {
-    let n = unknowns(model);
+/// Processor time of `n` linear equations in a solve [s].
+fn equations(deck: &Deck, model: &Model, n: f64) -> f64 {
     let cube = 3.0 * (n / 3.0).cbrt();
     let thick = planes_through(deck, model).map_or(cube, |planes| cube.min(3.0 * planes as f64));
     EQUATION * n * (n / 1e4).powf(0.3) * (thick / 9.0).powi(2)

@@ -18,6 +18,9 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// All kinds.
+    const ALL: [Self; 2] = [Self::CohesiveFrictional, Self::Cap];
+
     /// Name of the kind in a deck.
     pub fn name(self) -> &'static str {
         match self {
@@ -67,14 +70,14 @@ const fn key(
 
 const COHESIVE: &[JointKind] = &[JointKind::CohesiveFrictional];
 const CAP: &[JointKind] = &[JointKind::Cap];
-const BOTH: &[JointKind] = &[JointKind::CohesiveFrictional, JointKind::Cap];
+const ALL: &[JointKind] = &JointKind::ALL;
 
 /// All keys that need not be read by every kind.
 pub(super) const KIND_KEYS: [KindKey; 18] = [
-    key("f_t", BOTH, |f| f.f_t.is_some()),
-    key("c", BOTH, |f| f.c.is_some()),
-    key("tan_phi", BOTH, |f| f.tan_phi.is_some()),
-    key("mu", BOTH, |f| f.mu.is_some()),
+    key("f_t", ALL, |f| f.f_t.is_some()),
+    key("c", ALL, |f| f.c.is_some()),
+    key("tan_phi", ALL, |f| f.tan_phi.is_some()),
+    key("mu", ALL, |f| f.mu.is_some()),
     key("f_m", CAP, |f| f.f_m.is_some()),
     key("G_fc", CAP, |f| f.G_fc.is_some()),
     key("kappa_p", CAP, |f| f.kappa_p.is_some()),
@@ -93,7 +96,7 @@ pub(super) const KIND_KEYS: [KindKey; 18] = [
 
 /// Schema of a joint that has a `name` of the catalogue, or all keys that its kind requires.
 pub(super) fn named_or_whole(schema: &mut schemars::Schema) {
-    let whole = [JointKind::CohesiveFrictional, JointKind::Cap].map(|kind| {
+    let whole = JointKind::ALL.map(|kind| {
         let mut required = kind.requires().to_vec();
         if kind != JointKind::default() {
             required.push("kind");

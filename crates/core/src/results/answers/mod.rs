@@ -197,7 +197,7 @@ impl Answers {
         }
         self.failure_mode = measure.mode();
         self.failure_measure = Some(measure);
-        self.walls = walls::of_walls(model, scene.axis, (peak, last), lost);
+        self.walls = walls::of_walls(model, &scene, (peak, last), lost);
         let side = Backbone::of(curve, false);
         if let (Some(side), Some(height), Some(mode)) = (side, self.height_mm, self.failure_mode) {
             let slenderness = peak.and_then(|peak| slenderness(&scene, peak, curve));

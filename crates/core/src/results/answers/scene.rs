@@ -74,41 +74,42 @@ impl Scene {
     /// Geometry of a model, with its joints at a frame; `None` if nothing moves it sideways.
     pub fn of(model: &Model, snapshot: &Snapshot) -> Option<Self> {
         let axis = axis_of(model, snapshot)?;
-        Some(Self::of_part(model, axis, levels(model), |_| true))
+        let solids = (0..model.mesh.elements.len()).collect();
+        let points = points(model, axis);
+        Some(Self::of_part(model, axis, levels(model), (solids, points)))
     }
 
-    /// Geometry of a wall, if its longer side runs along the horizontal direction `axis`.
-    pub fn of_wall(model: &Model, wall: &WallOfUnits, axis: usize) -> Option<Self> {
+    /// Geometry of one wall of this scene, if its longer side runs along the drive.
+    pub fn of_wall(&self, model: &Model, wall: &WallOfUnits) -> Option<Self> {
         let is_of_wall = |unit: u32| wall.units.binary_search(&unit).is_ok();
-        let mesh = &model.mesh;
-        let elements = (0..mesh.elements.len()).filter(|e| is_of_wall(mesh.unit[*e]));
-        let nodes: BTreeSet<u32> = elements.flat_map(|e| mesh.elements[e]).collect();
+        let (mesh, axis) = (&model.mesh, self.axis);
+        let mut solids = self.solids.clone();
+        solids.retain(|e| is_of_wall(mesh.unit[*e]));
+        let nodes: BTreeSet<u32> = solids.iter().flat_map(|e| mesh.elements[*e]).collect();
         let extent = |axis: usize| range(nodes.iter().map(|n| mesh.nodes[*n as usize][axis]));
         let [along, across] = [axis, 1 - axis].map(|axis| extent(axis)[1] - extent(axis)[0]);
+        if along <= across {
+            return None;
+        }
         let [lowest, top] = extent(2);
         let held = model.supports.iter().filter(|s| s.fixed[2]);
         let held = held.flat_map(|s| &s.nodes).filter(|n| nodes.contains(n));
         let bottom = held.fold(lowest, |z, n| z.max(mesh.nodes[*n as usize][2]));
-        (along > across).then(|| Self::of_part(model, axis, [bottom, top], is_of_wall))
+        let mut points = self.points.clone();
+        for (p, point) in points.iter_mut().enumerate() {
+            if !is_of_wall(model.contact.slave_body[p / 4]) {
+                point.lie = Lie::Other;
+            }
+        }
+        Some(Self::of_part(model, axis, [bottom, top], (solids, points)))
     }
 
     fn of_part(
         model: &Model,
         axis: usize,
         levels: [f64; 2],
-        is_inside: impl Fn(u32) -> bool,
+        (solids, points): (Vec<usize>, Vec<JointPoint>),
     ) -> Self {
-        let mut points = points(model, axis);
-        for (p, point) in points.iter_mut().enumerate() {
-            if !is_inside(model.contact.slave_body[p / 4]) {
-                point.lie = Lie::Other;
-            }
-        }
-        let units = model.mesh.unit.iter().enumerate();
-        let solids: Vec<usize> = units
-            .filter(|(_, unit)| is_inside(**unit))
-            .map(|(e, _)| e)
-            .collect();
         let size = (levels[1] - levels[0]).abs();
         let beds = beds(&points, SAME * size);
         let base = beds.first().map_or(&[][..], |bed| bed);

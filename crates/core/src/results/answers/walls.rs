@@ -36,11 +36,11 @@ impl WallAnswer {
     }
 }
 
-/// Answers of all walls whose longer side runs along `axis`, from the frame of the peak and from the frame that is
+/// Answers of all walls of a scene whose longer side runs along the drive, from the frame of the peak and from the frame that is
 /// judged; none of a model with one wall only. `force_lost`: whether the force of the whole has fallen.
 pub(super) fn of_walls(
     model: &Model,
-    axis: usize,
+    whole: &Scene,
     (peak, last): (Option<&Snapshot>, &Snapshot),
     force_lost: bool,
 ) -> Vec<WallAnswer> {
@@ -49,7 +49,7 @@ pub(super) fn of_walls(
         return Vec::new();
     }
     let of_wall = |wall: &WallOfUnits| {
-        let scene = Scene::of_wall(model, wall, axis)?;
+        let scene = whole.of_wall(model, wall)?;
         let displacement_mm = top(model, &scene, last);
         let mut measure = FailureMeasure::of(&scene, last, displacement_mm.abs(), force_lost);
         if let Some(peak) = peak {
