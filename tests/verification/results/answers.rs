@@ -210,14 +210,12 @@ fn each_wall_along_the_drive_has_its_own_mode() {
     assert_eq!((&*pushed.name, &*idle.name), ("pushed", "idle"));
     assert_eq!(pushed.failure_mode, Some(FailureMode::BedSliding));
     assert!((pushed.displacement_mm + 2.0).abs() < 1e-9);
-    // The same joint slides as in the wall alone. Two joints of almost the same strength share the slip, and how they do
-    // depends on the iterates.
-    let (own, whole) = (&pushed.failure_measure, &alone.failure_measure.unwrap());
+    // All three walls have a joint at this height with as many points, and those of the others do not slide: the mean of
+    // the whole is a third.
+    let (own, whole) = (&pushed.failure_measure, &found.failure_measure.unwrap());
     assert_eq!(own.height_of_slip_mm, whole.height_of_slip_mm);
-    assert!(
-        (own.slip_over_drift - whole.slip_over_drift).abs() < 0.05,
-        "{own:?} {whole:?}"
-    );
+    let ratio = own.slip_over_drift / whole.slip_over_drift;
+    assert!((ratio - 3.0).abs() < 1e-3, "{own:?} {whole:?}");
     assert_eq!(
         own.inner_courses, 1,
         "that of three which is in the middle half"
