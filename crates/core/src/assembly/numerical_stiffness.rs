@@ -38,9 +38,15 @@ pub fn numerical_stiffness(model: &Model) -> (Vec<[f64; 2]>, Vec<f64>) {
         .zip(&contact.slave_law)
         .map(|(facet, &law)| {
             let law = &contact.laws[law as usize];
-            let mut key = *facet;
-            key.sort_unstable();
-            let Some(&e) = owner.get(&key) else {
+            let sorted = |mut key: [u32; 4]| {
+                key.sort_unstable();
+                key
+            };
+            // A facet of images alone faces its originals across a joint in a plane of symmetry.
+            let original = |n: u32| model.mesh.reflected(n).map_or(n, |image| image.of);
+            let own = owner.get(&sorted(*facet));
+            let own = own.or_else(|| owner.get(&sorted(facet.map(original))));
+            let Some(&e) = own else {
                 return (law.stiffness(), 0.0);
             };
             let corners = model.mesh.corners(e);

@@ -26,7 +26,8 @@ pub struct Mesh {
     pub names: Vec<String>,
     /// Walls of masonry, of which the bodies are units or lintels.
     pub walls: Vec<WallOfUnits>,
-    /// Image nodes beyond planes of symmetry, of elements that lie across a plane. Ascending by node.
+    /// Image nodes beyond planes of symmetry, of elements that lie across a plane and of joints in a plane. Ascending by
+    /// node.
     pub reflected: Vec<Reflected>,
 }
 
@@ -93,7 +94,8 @@ impl Mesh {
 
     /// Part of a contact point that counts, from the weights of the facet's nodes at it. On a facet across a plane of
     /// symmetry it is 0 beyond the plane, because the image of the point is there, ½ in the plane, and 1 before it.
-    pub fn point_share(&self, facet: &[u32; 4], weights: &[f64; 4]) -> f64 {
+    /// `planes`: planes in which the facet itself lies, by their normals.
+    pub fn point_share(&self, facet: &[u32; 4], weights: &[f64; 4], planes: [bool; 3]) -> f64 {
         if self.reflected.is_empty() {
             return 1.0;
         }
@@ -103,6 +105,9 @@ impl Mesh {
         };
         let places = facet.map(place);
         let part = |d: usize| {
+            if planes[d] {
+                return 0.5;
+            }
             // Each node beyond the plane has its original in the facet, at the same distance. The difference of their
             // weights gives the side of the point.
             let beyond = |(of, sign): (u32, [f64; 3])| {

@@ -40,6 +40,9 @@ pub struct ContactSurfaces {
     /// Sampled part of each entry's facet. Empty if all facets are sampled as a whole. A facet divided into parts has
     /// consecutive entries, one for each part. `[facet]`
     pub slave_part: Vec<Part>,
+    /// Whether the facet lies in a plane of symmetry normal to x, y or z, between a body and its image. Empty if no
+    /// facet does. `[facet][xyz]`
+    pub slave_planes: Vec<[bool; 3]>,
     /// Master facets. `[facet][node]`
     pub master_facets: Vec<[u32; 4]>,
     /// Body of each master facet. `[facet]`
@@ -92,6 +95,11 @@ impl ContactSurfaces {
     /// Sampled part of an entry of the slave facets.
     pub fn part(&self, facet: usize) -> Part {
         self.slave_part.get(facet).copied().unwrap_or(Part::WHOLE)
+    }
+
+    /// Planes of symmetry in which an entry of the slave facets lies, by the axes of their normals.
+    pub fn planes(&self, facet: usize) -> [bool; 3] {
+        self.slave_planes.get(facet).copied().unwrap_or_default()
     }
 
     /// Corners of the sampled part of an entry of the slave facets, for nodes at `x` [mm].

@@ -16,8 +16,8 @@ use nalgebra::Vector3;
 use wythe_contact::pairs::{RIM, STAY};
 use wythe_contact::surface::blend;
 use wythe_contact::{
-    Aabb, Candidates, InterfaceHistory, InterfaceLaw, JointLaw, Kinematics, PointPair, SlavePoint,
-    Surface, corner_points, gauss_points,
+    Aabb, Candidates, InterfaceHistory, InterfaceLaw, JointLaw, Kinematics, PointPair, PointStatus,
+    SlavePoint, Surface, corner_points, gauss_points,
 };
 
 use super::numerical_stiffness::{FIRM, WELL_WITHIN, numerical_stiffness};
@@ -54,6 +54,8 @@ pub struct Contact {
     areal_mass: Vec<f64>,
     /// Contact points, four on each slave facet. `[slave facet][point]`
     pub points: Vec<SlavePoint>,
+    /// Parts of the points that count, because of planes of symmetry. Empty if all count whole. `[point]`
+    share: Vec<f64>,
     /// Weights of the points at their places at rest. `[point]`
     at_rest: Vec<[f64; 4]>,
     /// Points that this increment has moved to a rim.
@@ -82,6 +84,17 @@ struct Distances {
 }
 
 impl Contact {
+    /// Number of points with a status. With planes of symmetry it is that of the whole scene over the number of its
+    /// parts, rounded.
+    pub fn count(&self, status: &[PointStatus], wanted: PointStatus) -> usize {
+        let has = |(_, status): &(usize, &PointStatus)| **status == wanted;
+        let points = status.iter().enumerate().filter(has);
+        if self.share.is_empty() {
+            return points.count();
+        }
+        points.map(|(p, _)| self.share[p]).sum::<f64>().round() as usize
+    }
+
     /// Area at rest of the points under pressure [mm²].
     pub fn pressed_area(&self, history: &[InterfaceHistory]) -> f64 {
         let points = self.points.iter().zip(history);
@@ -104,15 +117,19 @@ impl Contact {
         let (slave, master) = (surfaces.slave(), surfaces.master());
         let x = &model.mesh.nodes;
         let mut points = Vec::with_capacity(4 * slave.facets.len());
+        let mut share = Vec::new();
         let (mut edges, mut count) = (0.0, 0.0);
-        for f in 0..slave.facets.len() {
+        for (f, facet) in slave.facets.iter().enumerate() {
             let corners = slave.corners(f, x);
+            let planes = surfaces.planes(f);
             let of_facet = match surfaces.points {
                 ContactPoints::Gauss => gauss_points(&corners, &surfaces.part(f)),
                 ContactPoints::Corner => corner_points(&corners, &surfaces.part(f)),
             };
             points.extend(of_facet.into_iter().map(|mut point| {
-                point.area *= model.mesh.point_share(&slave.facets[f], &point.weights);
+                let part = model.mesh.point_share(facet, &point.weights, planes);
+                share.push(part);
+                point.area *= part;
                 point
             }));
         }
@@ -141,6 +158,10 @@ impl Contact {
             slave,
             master,
             law_of: surfaces.slave_law.clone(),
+            share: match share.iter().all(|part| *part == 1.0) {
+                true => Vec::new(),
+                false => share,
+            },
             at_rest: points.iter().map(|point| point.weights).collect(),
             moved: Vec::new(),
             points,

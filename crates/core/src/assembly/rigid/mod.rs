@@ -16,6 +16,7 @@ use rustc_hash::FxHashSet;
 use super::dofs::{DofMap, Equations, HELD, PRESCRIBED};
 use super::{Springs, Ties, Trial, Turning};
 use crate::model::Model;
+use crate::model::mesh::Reflected;
 use body::Body;
 use reduction::Reduction;
 
@@ -30,6 +31,8 @@ pub struct RigidBodies {
     bodies: Vec<Body>,
     /// Body of each node, or [`NONE`]. `[node]`
     body_of: Vec<u32>,
+    /// Images of nodes of a body that face it across a joint in a plane of symmetry.
+    facing: Vec<Reflected>,
     /// Linear equations in the unknowns of the bodies, once the matrix was analysed.
     reduction: Option<Reduction>,
     /// Whether the stiffness of forces whose arms turn is taken with its unsymmetric part.
@@ -66,6 +69,13 @@ impl RigidBodies {
                     found.body_of[at.node as usize] = found.bodies.len() as u32;
                 }
                 found.bodies.push(body);
+            }
+        }
+        for image in &mesh.reflected {
+            let [node, of] = [image.node, image.of].map(|n| n as usize);
+            if found.body_of[node] == NONE && found.body_of[of] != NONE {
+                found.body_of[node] = found.body_of[of];
+                found.facing.push(*image);
             }
         }
         found

@@ -35,6 +35,8 @@ pub(in crate::assembly) struct Reduction {
     of_body: Vec<[Option<usize>; 6]>,
     /// Arms of the nodes of the bodies at the last filling, over the radius of the body [-]. `[node]`
     arms: Vec<Vector3<f64>>,
+    /// Signs of the motion of images that face their body, 1 elsewhere. Empty without such images. `[node]`
+    signs: Vec<Vector3<f64>>,
     /// Stiffness of the reduced cells [N/mm]. `[cell][CELL]`
     stiffness: Vec<f64>,
     /// Whether a reduced cell contributes. `[cell]`
@@ -88,6 +90,7 @@ impl RigidBodies {
             of_body: of_body.collect(),
             kept,
             arms: vec![Vector3::zeros(); self.body_of.len()],
+            signs: self.signs(),
             cells: Vec::with_capacity(cells.len()),
             places: Vec::with_capacity(cells.len()),
             stiffness: vec![0.0; cells.len() * CELL],
@@ -112,6 +115,18 @@ impl RigidBodies {
             (cell[0], cell[1]) = (*first, *second);
         }
         self.reduction.insert(reduction)
+    }
+
+    /// Signs of the motion of images that face their body. Empty without such images. `[node]`
+    fn signs(&self) -> Vec<Vector3<f64>> {
+        if self.facing.is_empty() {
+            return Vec::new();
+        }
+        let mut signs = vec![Vector3::repeat(1.0); self.body_of.len()];
+        for image in &self.facing {
+            signs[image.node as usize] = image.sign.into();
+        }
+        signs
     }
 
     /// A cell on the nodes of the matrix, and the places of its nodes there.
@@ -163,9 +178,12 @@ impl RigidBodies {
                 reduction.arms[at.node as usize] = arm / body.radius;
             }
         }
+        for image in &self.facing {
+            reduction.arms[image.node as usize] = reduction.arms[image.of as usize];
+        }
         let cells = &trial.cells;
         reduction.active.clone_from(&cells.active);
-        let arms = &reduction.arms;
+        let (arms, signs) = (&reduction.arms, &reduction.signs);
         (reduction.stiffness.par_chunks_exact_mut(CELL))
             .zip(&reduction.places)
             .zip(&reduction.own_cells)
@@ -173,13 +191,12 @@ impl RigidBodies {
             .with_min_len(32)
             .filter(|(c, _)| cells.active[*c] && changed.is_none_or(|changed| changed[*c]))
             .for_each(|(c, ((to, places), nodes))| {
-                let arms = nodes.map(|n| arms[n as usize]);
-                carry(
-                    &cells.stiffness[c * CELL..(c + 1) * CELL],
+                let of_nodes = Carried {
                     places,
-                    &arms,
-                    to,
-                );
+                    arms: nodes.map(|n| arms[n as usize]),
+                    signs: (!signs.is_empty()).then(|| nodes.map(|n| signs[n as usize])),
+                };
+                of_nodes.carry(&cells.stiffness[c * CELL..(c + 1) * CELL], to);
             });
         let mut changed = changed.map(<[bool]>::to_vec);
         for body in &self.bodies {
@@ -360,30 +377,44 @@ fn add_body(
     }
 }
 
-/// Carries the stiffness of a cell over to its reduced cell. `arms`: of its nodes that belong to bodies. A node at arm
-/// a moves by δ + θ × a, so that its block k contributes k, −k A, A k, −A k A with A = [a]×.
-fn carry(from: &[f64], places: &[Place; 8], arms: &[Vector3<f64>; 8], to: &mut [f64]) {
-    to.fill(0.0);
-    let skew = arms.map(|arm| arm.cross_matrix());
-    for a in 0..8 {
-        // Columns first: the row of blocks on the unknowns of the matrix.
-        let mut row = [Matrix3::zeros(); 8];
-        for b in 0..8 {
-            let k = Matrix3::from_row_slice(&from[(a * 8 + b) * 9..][..9]);
-            match places[b] {
-                Place::Node(at) => row[at as usize] += k,
-                Place::Body(at) => {
-                    row[at as usize] += k;
-                    row[at as usize + 1] -= k * skew[b];
+/// How the nodes of a cell move with the unknowns of its reduced cell.
+struct Carried<'a> {
+    places: &'a [Place; 8],
+    /// Arms of the nodes that belong to bodies, over the radius of the body [-].
+    arms: [Vector3<f64>; 8],
+    /// Signs of their motion, if some are images.
+    signs: Option<[Vector3<f64>; 8]>,
+}
+
+impl Carried<'_> {
+    /// Carries the stiffness of the cell over to its reduced cell. A node at arm a moves by δ + θ × a, so that its
+    /// block k contributes k, −k A, A k, −A k A with A = [a]×. The block of images is S k S.
+    fn carry(&self, from: &[f64], to: &mut [f64]) {
+        to.fill(0.0);
+        let skew = self.arms.map(|arm| arm.cross_matrix());
+        for a in 0..8 {
+            // Columns first: the row of blocks on the unknowns of the matrix.
+            let mut row = [Matrix3::zeros(); 8];
+            for b in 0..8 {
+                let mut k = Matrix3::from_row_slice(&from[(a * 8 + b) * 9..][..9]);
+                if let Some(signs) = &self.signs {
+                    k.component_mul_assign(&(signs[a] * signs[b].transpose()));
+                }
+                match self.places[b] {
+                    Place::Node(at) => row[at as usize] += k,
+                    Place::Body(at) => {
+                        row[at as usize] += k;
+                        row[at as usize + 1] -= k * skew[b];
+                    }
                 }
             }
-        }
-        for (column, k) in row.iter().enumerate() {
-            match places[a] {
-                Place::Node(at) => add(to, at as usize, column, k),
-                Place::Body(at) => {
-                    add(to, at as usize, column, k);
-                    add(to, at as usize + 1, column, &(skew[a] * k));
+            for (column, k) in row.iter().enumerate() {
+                match self.places[a] {
+                    Place::Node(at) => add(to, at as usize, column, k),
+                    Place::Body(at) => {
+                        add(to, at as usize, column, k);
+                        add(to, at as usize + 1, column, &(skew[a] * k));
+                    }
                 }
             }
         }

@@ -43,14 +43,9 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     let node = numbered(images.side.iter().map(|side| *side <= 0));
     let mesh = &model.mesh;
     let element = numbered(mesh.elements.iter().map(|nodes| images.keeps(nodes)));
-    let slave = numbered(contact.slave_facets.iter().map(|f| images.keeps(f)));
-    let across = mesh.elements.iter().filter(|e| images.lies_across(*e));
-    let beyond = across.flatten().filter(|n| images.side[**n as usize] > 0);
-    let beyond: Vec<u32> = beyond
-        .copied()
-        .collect::<BTreeSet<_>>()
-        .into_iter()
-        .collect();
+    let keeps = |facet: &[u32; 4]| images.keeps(facet) || images.lies_in(facet);
+    let slave = numbered(contact.slave_facets.iter().map(keeps));
+    let beyond = beyond(model, images);
     let kept = node.iter().flatten().count() as u32;
     let mut any = node.clone();
     for (number, n) in (kept..).zip(&beyond) {
@@ -104,6 +99,19 @@ pub(super) fn half(model: &Model, images: &Images) -> Option<Half> {
     })
 }
 
+/// Nodes above the plane of elements and facets across it, and of facets in it. Ascending.
+fn beyond(model: &Model, images: &Images) -> Vec<u32> {
+    let contact = &model.contact;
+    let elements = model.mesh.elements.iter();
+    let across = elements.filter(|e| images.lies_across(*e)).flatten();
+    let facets = contact.slave_facets.iter().chain(&contact.master_facets);
+    let of_plane = |f: &&[u32; 4]| images.lies_across(*f) || images.lies_in(*f);
+    let nodes = across.chain(facets.filter(of_plane).flatten());
+    let beyond = nodes.filter(|n| images.side[**n as usize] > 0);
+    let beyond: BTreeSet<u32> = beyond.copied().collect();
+    beyond.into_iter().collect()
+}
+
 /// Numbers of the kept items.
 fn numbered(kept: impl Iterator<Item = bool>) -> Vec<Option<u32>> {
     let mut next = 0;
@@ -135,6 +143,14 @@ impl Cut<'_> {
     fn cell<const N: usize>(&self, nodes: &[u32; N]) -> Option<[u32; N]> {
         let kept = self.images.keeps(nodes);
         kept.then(|| <[u32; N]>::try_from(self.kept(nodes)).ok())?
+    }
+
+    /// Numbers of the nodes of a kept facet of a joint. Of a joint in the plane both faces are kept.
+    fn facet(&self, nodes: &[u32; 4]) -> Option<[u32; 4]> {
+        if self.images.lies_in(nodes) {
+            return <[u32; 4]>::try_from(self.kept(nodes)).ok();
+        }
+        self.cell(nodes)
     }
 
     /// Number of a kept node, or of the image of another.
@@ -211,12 +227,25 @@ impl Cut<'_> {
             search_radius: contact.search_radius,
             ..ContactSurfaces::default()
         };
-        for (f, nodes) in self.facets(&contact.slave_facets) {
+        let axis = self.images.axis;
+        let mut planes = Vec::new();
+        for (f, facet) in contact.slave_facets.iter().enumerate() {
+            let Some(nodes) = self.facet(facet) else {
+                continue;
+            };
             half.add_slave(nodes, contact.slave_body[f], contact.slave_law[f]);
             half.slave_part.extend(contact.slave_part.get(f));
+            let mut lies_in = contact.planes(f);
+            lies_in[axis] |= self.images.lies_in(facet);
+            planes.push(lies_in);
         }
-        for (f, nodes) in self.facets(&contact.master_facets) {
-            half.add_master(nodes, contact.master_body[f]);
+        if planes.as_flattened().contains(&true) {
+            half.slave_planes = planes;
+        }
+        for (facet, body) in contact.master_facets.iter().zip(&contact.master_body) {
+            if let Some(nodes) = self.facet(facet) {
+                half.add_master(nodes, *body);
+            }
         }
         half
     }

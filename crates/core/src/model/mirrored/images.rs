@@ -14,7 +14,7 @@ const SAME: f64 = 1e-7;
 const PLACES: f64 = 1e6;
 
 /// A plane in which a mesh and its joints are mirrored, and their images. Elements and facets across it are their own
-/// images.
+/// images, and so is a joint in it between a body and its image.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Images {
     /// Axis normal to the plane.
@@ -23,8 +23,11 @@ pub(crate) struct Images {
     pub at: f64,
     /// Image of each node, itself if it lies in the plane. `[node]`
     pub node: Vec<u32>,
-    /// Side of each node: −1 below the plane, 0 in it, 1 above. `[node]`
+    /// Side of each node: −1 below the plane, 1 above, 0 if it is its own image. A node in the plane whose image belongs
+    /// to another body is on the side of its body. `[node]`
     pub side: Vec<i8>,
+    /// Whether each node lies in the plane. `[node]`
+    lies_in: Vec<bool>,
     /// Image of each element. `[element]`
     pub element: Vec<u32>,
     /// Image of each slave facet. `[facet]`
@@ -33,7 +36,7 @@ pub(crate) struct Images {
 
 impl Images {
     /// Images in the plane through the middle of the model normal to an axis. None unless mesh, materials and joints
-    /// are mirrored and no facet lies in the plane.
+    /// are mirrored.
     pub fn of(model: &Model, axis: usize) -> Option<Self> {
         let mesh = &model.mesh;
         // A half with images beyond a plane would be mirrored in that plane again.
@@ -54,11 +57,12 @@ impl Images {
             axis,
             at,
             node: Vec::new(),
+            lies_in: side.iter().map(|side| *side == 0).collect(),
             side,
             element: Vec::new(),
             slave: Vec::new(),
         };
-        images.node = images.of_nodes(model, unit)?;
+        images.of_nodes(model, unit)?;
         images.element = images.of_elements(model)?;
         images.slave = images.of_facets(&model.contact)?;
         Some(images)
@@ -68,6 +72,11 @@ impl Images {
     pub fn keeps(&self, nodes: &[u32]) -> bool {
         let side = |n: &u32| self.side[*n as usize];
         nodes.iter().all(|n| side(n) <= 0) || self.lies_across(nodes)
+    }
+
+    /// Whether a facet with these nodes lies in the plane: a face of a body that touches its image there.
+    pub fn lies_in(&self, nodes: &[u32]) -> bool {
+        nodes.iter().all(|n| self.lies_in[*n as usize])
     }
 
     /// Whether nodes lie on both sides.
@@ -91,13 +100,15 @@ impl Images {
             .all(|n| own.binary_search(&self.node[*n as usize]).is_ok())
     }
 
-    /// Nodes of several bodies may coincide, so images are searched body by body.
-    fn of_nodes(&self, model: &Model, unit: f64) -> Option<Vec<u32>> {
+    /// Finds the images of nodes, and the sides of nodes in the plane. Nodes of several bodies may coincide, so images
+    /// are searched body by body.
+    fn of_nodes(&mut self, model: &Model, unit: f64) -> Option<()> {
         let mesh = &model.mesh;
         // Coordinates of decks are round numbers. The offset keeps them away from the bounds of cells.
         let cell = |x: [f64; 3]| x.map(|x| (x / unit + 0.37).floor() as i64);
+        let axis = self.axis;
         let relative = |mut x: [f64; 3]| {
-            x[self.axis] -= self.at;
+            x[axis] -= self.at;
             x
         };
         let mut body = vec![u32::MAX; mesh.nodes.len()];
@@ -111,26 +122,46 @@ impl Images {
                 sum[3] += 1.0;
             }
         }
+        // Bodies without elements, if units are not numbered in sequence, are their own images.
+        let is_body = |b: &usize| centre[*b][3] > 0.0;
         let centre = |b: usize| relative([0, 1, 2].map(|i| centre[b][i] / centre[b][3]));
-        let at = unique((0..bodies).map(|b| (cell(centre(b)), b as u32)))?;
-        let image = |b: usize| at.get(&cell(self.of_vector(centre(b)))).copied();
+        let all = || (0..bodies).filter(is_body);
+        let at = unique(all().map(|b| (cell(centre(b)), b as u32)))?;
+        let image = |b: usize| match is_body(&b) {
+            true => at.get(&cell(self.of_vector(centre(b)))).copied(),
+            false => Some(b as u32),
+        };
         let image = (0..bodies).map(image).collect::<Option<Vec<u32>>>()?;
-        // A node without an element represents the other half of a joint.
-        if body.contains(&u32::MAX) {
-            return None;
-        }
-        let places = (0..mesh.nodes.len()).map(|n| (body[n], relative(mesh.nodes[n])));
-        let at = unique(
-            places
-                .clone()
-                .enumerate()
-                .map(|(n, (b, x))| ((b, cell(x)), n as u32)),
-        )?;
-        let found = places.map(|(b, x)| {
-            let place = (image[b as usize], cell(self.of_vector(x)));
-            at.get(&place).copied()
+        // A node without an element is that of an image beyond another plane, or represents the other half of a joint.
+        let place = |n: usize| {
+            let x = relative(mesh.nodes[n]);
+            if body[n] != u32::MAX {
+                return Some((body[n], [1.0; 3], x));
+            }
+            let original = mesh.reflected(n as u32)?;
+            Some((body[original.of as usize], original.sign, x))
+        };
+        let places = (0..mesh.nodes.len()).map(place);
+        let places = places.collect::<Option<Vec<_>>>()?;
+        let signs = |sign: [f64; 3]| sign.map(|sign| sign < 0.0);
+        let key = |b: u32, sign: [f64; 3], x: [f64; 3]| (b, signs(sign), cell(x));
+        let numbered = places.iter().zip(0_u32..);
+        let at = unique(numbered.map(|((b, sign, x), n)| (key(*b, *sign, *x), n)))?;
+        let found = places.iter().map(|(b, sign, x)| {
+            let there = key(image[*b as usize], *sign, self.of_vector(*x));
+            at.get(&there).copied()
         });
-        found.collect()
+        self.node = found.collect::<Option<Vec<u32>>>()?;
+        for (n, (b, ..)) in places.iter().enumerate() {
+            if self.side[n] == 0 && self.node[n] as usize != n {
+                self.side[n] = if centre(*b as usize)[axis] < 0.0 {
+                    -1
+                } else {
+                    1
+                };
+            }
+        }
+        Some(())
     }
 
     fn of_elements(&self, model: &Model) -> Option<Vec<u32>> {
@@ -159,8 +190,10 @@ impl Images {
             let at = facets.iter().enumerate();
             let at = unique(at.map(|(f, nodes)| (place(f, *nodes), f as u32)))?;
             let image = |(f, nodes): (usize, &[u32; 4])| {
-                if nodes.iter().all(|n| self.side[*n as usize] == 0) {
-                    return None;
+                if self.lies_in(nodes) {
+                    // The other face of a joint in the plane is the image of this one.
+                    let parts = nodes.iter().all(|n| self.node[*n as usize] != *n);
+                    return parts.then_some(f as u32);
                 }
                 let seen = nodes.map(|n| self.node[n as usize]);
                 let whole = sorted(seen) == sorted(*nodes) || !self.lies_across(nodes);

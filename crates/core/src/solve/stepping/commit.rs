@@ -83,8 +83,8 @@ impl Run<'_> {
             pressed.filter(|t| t.status == status).count()
         };
         let count = |status: PointStatus| {
-            let points = trial.joints.status.iter().filter(|s| **s == status);
-            points.count() + touching(status)
+            let joints = self.system.contact.count(&trial.joints.status, status);
+            joints + touching(status)
         };
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let e = &state.energies;
