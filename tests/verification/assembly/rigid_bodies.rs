@@ -101,10 +101,16 @@ fn a_body_keeps_its_shape_while_it_falls_over() {
     );
 }
 
-/// Units of one element through the thickness lie across its middle plane.
+/// Units of one element through the thickness lie across its middle plane, and so do headers; the joint between two
+/// leaves lies in it.
 #[test]
 fn halves_of_rigid_walls_have_the_forces_of_the_whole() {
-    for leaf in ["100 mm", "210 mm"] {
+    // The stones of two leaves stick and slip, from 0.08 mm on in another sequence with other increments.
+    for (leaf, bond, drive) in [
+        ("100 mm", "stretcher", 4.0),
+        ("210 mm", "stretcher", 4.0),
+        ("100 mm", "english", 0.05),
+    ] {
         let text = format!(
             r#"
 [contact]
@@ -115,6 +121,7 @@ bed_joint = 0
 head_joint = 0
 length = "600 mm"
 courses = 5
+bond = "{bond}"
 unit_material = "stone"
 interface = "dry"
 rigid = true
@@ -126,7 +133,7 @@ top_pressure = "0.3 MPa"
 [[steps]]
 kind = "drive"
 direction = "x"
-displacement = "4 mm"
+displacement = {drive}
 vertical = "free"
 increments = {{ initial = 0.05, max = 0.05 }}
 tolerance = {{ residual = 1e-5 }}

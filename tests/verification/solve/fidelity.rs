@@ -89,12 +89,53 @@ fn a_half_of_facets_in_parts_shows_every_field_of_the_whole() {
     a_quarter_shows_the_whole("mesh = [3, 2, 1]", "[2, 3, 2]");
 }
 
+/// Two leaves with a joint between them in the plane; courses of headers lie across it.
+fn leaves(bond: &str, collar: f64) -> String {
+    let length = 2.0 * 60.0 + collar;
+    stack()
+        .replace("bond = \"stack\"", bond)
+        .replace("length = 200", &format!("length = {length}"))
+        .replace(
+            "unit = [200, 60, 50]",
+            &format!("unit = [{length}, 60, 50]"),
+        )
+        .replace("near = [200", &format!("near = [{length}"))
+        .replace("near = [0, 60, 75]", &format!("near = [0, {length}, 75]"))
+        .replace(
+            "bed_joint = 0",
+            &format!("mortar_material = \"brick\"\ncollar_joint = {collar}\nbed_joint = 0"),
+        )
+}
+
+/// In a joint in the plane each face meets its own image. Its mortar belongs half to each leaf.
+#[test]
+fn a_half_of_two_leaves_shows_every_field_of_the_whole() {
+    for (bond, collar) in [
+        ("bond = \"stack\"\nleaves = 2", 0.0),
+        ("bond = \"stack\"\nleaves = 2", 10.0),
+        ("bond = \"english\"", 10.0),
+    ] {
+        let text = leaves(bond, collar);
+        let at = 60.0 + 0.5 * collar;
+        for (mesh, parts) in [("[4, 2, 2]", WHOLE), ("[2, 1, 2]", "[2, 2, 1]")] {
+            let text = text.replace("mesh = [4, 2, 2]", &format!("mesh = {mesh}"));
+            let text = text.replace("parts = [1, 1, 1]", &format!("parts = {parts}"));
+            every_field_is_that_of(&text, at, 0.55);
+        }
+    }
+}
+
 /// `unknowns`: largest ratio of the unknowns to those of the whole.
 fn every_field_is_that_of_the_whole(mesh: &str, parts: &str, unknowns: f64) {
-    let stack = format!("{}{STEPS}", stack()).replace("mesh = [4, 2, 2]", mesh);
+    let stack = stack().replace("mesh = [4, 2, 2]", mesh);
     let stack = stack.replace("parts = [1, 1, 1]", &format!("parts = {parts}"));
-    let [(model, full), (_, auto)] = both(&stack);
-    assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at: 30.0 }]);
+    every_field_is_that_of(&stack, 30.0, unknowns);
+}
+
+/// The same for a wall with its middle plane `at` this depth.
+fn every_field_is_that_of(wall: &str, at: f64, unknowns: f64) {
+    let [(model, full), (_, auto)] = both(&format!("{wall}{STEPS}"));
+    assert_eq!(mirror_planes(&model), [MirrorPlane { axis: 1, at }]);
     assert_eq!(full.rows.len(), auto.rows.len());
     assert_eq!(full.frames.len(), auto.frames.len());
     // Under the weight alone, rounding of positions is 1e-5 of the fields.
@@ -240,14 +281,55 @@ tolerance = { residual = 1e-8 }
     let [(model, full), (_, auto)] = both(&text);
     let at = |axis, at| MirrorPlane { axis, at };
     assert_eq!(mirror_planes(&model), [at(1, 30.0), at(0, 100.0)]);
+    quarters_show_the_whole(&full, &auto, mesh);
+}
+
+fn quarters_show_the_whole(full: &Recording, auto: &Recording, mesh: &str) {
     for (a, b) in full.frames.iter().zip(&auto.frames) {
         for (field, apart) in frames_apart(a, b) {
             assert!(apart < 1e-5, "{mesh}, {field}: {apart:e}");
         }
     }
     let last = |recording: &Recording| quantities(&recording.rows[recording.rows.len() - 1]);
-    assert!(apart(last(&full), last(&auto)) < 1e-5, "{mesh}");
+    assert!(apart(last(full), last(auto)) < 1e-5, "{mesh}");
     assert!(auto.states[0].q.len() < 4 * full.states[0].q.len() / 10);
+}
+
+/// Four blocks that touch each other in two planes of symmetry, joined in both. Slaves are below one plane and above
+/// the other.
+#[test]
+fn joints_in_two_planes_leave_a_quarter() {
+    let block = |name: &str, x: i32, y: i32| {
+        format!(
+            "[[blocks]]\nname = \"{name}\"\nsize = [100, 50, 80]\nat = [{x}, {y}, 0]\nmaterial = \"brick\"\nmesh = [2, 2, 2]\n[[supports]]\non = \"{name}.bottom\"\n"
+        )
+    };
+    let joint = |slave: &str, master: &str| {
+        format!("[[contacts]]\nslave = \"{slave}\"\nmaster = \"{master}\"\ninterface = \"joint\"\n")
+    };
+    let blocks = [("a", 0, 0), ("b", 100, 0), ("c", 0, 50), ("d", 100, 50)];
+    let blocks: String = blocks
+        .iter()
+        .map(|(name, x, y)| block(name, *x, *y))
+        .collect();
+    let joints = joint("a.right", "b.left")
+        + &joint("c.right", "d.left")
+        + &joint("c.front", "a.back")
+        + &joint("d.front", "b.back");
+    let load = r#"
+[[steps]]
+kind = "load"
+loads = [{ name = "weight", on = ["a.top", "b.top", "c.top", "d.top"], pressure = 1.0 }, { name = "pull", on = ["a.left", "c.left", "b.right", "d.right"], pressure = -0.2 }]
+tangent = "direct"
+tolerance = { residual = 1e-8 }
+"#;
+    let (materials, _) = WALL.split_once("[wall]").unwrap();
+    let [(model, full), (_, auto)] = both(&format!("{materials}{blocks}{joints}{load}"));
+    let at = |axis, at| MirrorPlane { axis, at };
+    assert_eq!(mirror_planes(&model), [at(1, 50.0), at(0, 100.0)]);
+    quarters_show_the_whole(&full, &auto, "blocks");
+    let opening = &full.frames.last().unwrap().interfaces.opening;
+    assert!(opening.iter().any(|gap| *gap > 1e-4), "no joint opens");
 }
 
 /// The summary describes the solved part, sizes are those of the whole, and reported nodes have their numbers in the

@@ -64,7 +64,9 @@ fn growth(walls: &[Masonry<'_>]) -> Vec<Vec<Growth>> {
             continue;
         };
         let (axis, high) = face.side();
-        let joint = walls[own.0].units[own.1].joint(axis, high);
+        let of =
+            |(wall, unit): (usize, usize), high: bool| walls[wall].units[unit].joint(axis, high);
+        let joint = of(own, high) + of(facing, !high);
         if joint > 0.0 && (own.0 == facing.0 || axis == 2) {
             all[own.0][own.1][face as usize] = 0.5 * joint;
             let there = &mut all[facing.0][facing.1][other as usize];

@@ -217,6 +217,13 @@ impl<'a> Joints<'a> {
         facets
     }
 
+    /// The element behind the facet that a slave facet faces, and its size [mm].
+    fn behind_facing(&self, masters: &[(usize, Face)], facing: &Facet) -> Option<(usize, f64)> {
+        let is_of = |(b, _): &&(usize, Face)| self.bodies.all[*b].number == facing.body;
+        let (body, face) = masters.iter().find(is_of)?;
+        behind(self.mesh, &self.bodies.all[*body], facing, *face)
+    }
+
     /// Adds facets and laws of one slave face, a unit of a wall.
     fn slaves(&mut self, slave: usize, face: Face, masters: &[(usize, Face)]) {
         let (bodies, mesh) = (self.bodies, self.mesh);
@@ -255,8 +262,17 @@ impl<'a> Joints<'a> {
                 1.0
             };
             let thickness = joint_thickness(wall, unit, face, sine);
-            let here = self.side(facet.element, thickness.unwrap_or(sine * facet.size));
-            let there = self.side(facing.element, sine * facing.size);
+            let mut here = self.side(facet.element, thickness.unwrap_or(sine * facet.size));
+            let mut there = self.side(facing.element, sine * facing.size);
+            // In the middle of a collar joint the mortar meets mortar. The joint has the stiffness of one at the face
+            // of the unit behind.
+            if axis == wall.wall.axes().1
+                && let Some(thickness) = thickness
+                && let Some((element, size)) = self.behind_facing(masters, facing)
+            {
+                here = self.side(facet.element, 2.0 * thickness);
+                there = self.side(element, size);
+            }
             let law = law_between(self.contact, name, interface, here, there);
             self.contact.add_slave(facet.nodes, body.number, law);
             let bodies = (body.number, facing.body);

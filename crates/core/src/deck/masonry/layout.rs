@@ -1,7 +1,8 @@
 //! Positions of the units of a wall and of their joints, computed before the mesh.
 //!
-//! A unit has the bed joint on top of it, the head joint at its far end along the wall and the collar joint behind
-//! it, if another unit follows there. Where another wall passes through, the units that end there have the joint to
+//! A unit has the bed joint on top of it, the head joint at its far end along the wall, and the nearer halves of the
+//! collar joints before and behind it, if other units lie there. So a wall of leaves that are mirror images of each other
+//! is its own mirror image, mortar included. Where another wall passes through, the units that end there have the joint to
 //! it.
 
 use super::bond::courses;
@@ -465,6 +466,15 @@ impl<'a> Neighbours<'a> {
         });
         behind.map(|p| p.through[0]).min_by(f64::total_cmp)
     }
+
+    /// Back of the leaf before the piece, if it has one.
+    fn before(&self, piece: &Piece) -> Option<f64> {
+        let front = piece.through[0];
+        let before = self.course.along(piece.along).filter(|p| {
+            p.through[1] < front + self.sizes.tolerance() && self.overlaps(p.along, piece.along)
+        });
+        before.map(|p| p.through[1]).max_by(f64::total_cmp)
+    }
 }
 
 /// The unit of a piece, with its joints, in the axes of the scene.
@@ -478,11 +488,14 @@ fn unit(
     let [from, to] = piece.along;
     let end = beside.next(piece).or(piece.reach[1]).unwrap_or(to);
     let start = piece.reach[0].unwrap_or(from);
-    let behind = beside.behind(piece).unwrap_or(piece.through[1]);
+    let [front, back] = piece.through;
+    // The middle of a joint is the same number for the units on both sides.
+    let before = beside.before(piece).map_or(front, |x| 0.5 * (x + front));
+    let behind = beside.behind(piece).map_or(back, |x| 0.5 * (back + x));
     let own = [piece.along, piece.through, [low, high]];
     let all = [
         [start.min(from), end.max(to)],
-        [piece.through[0], behind.max(piece.through[1])],
+        [before.min(front), behind.max(back)],
         [low, top.max(high)],
     ];
     Unit {

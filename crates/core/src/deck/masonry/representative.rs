@@ -7,7 +7,7 @@
 //!  └x └────┴────┴────┴────┴──┘
 //! ```
 //!
-//! Its nodes are its own. The collar joint lies behind it in the same way.
+//! Its nodes are its own. Halves of collar joints lie before and behind it in the same way.
 
 use super::Masonry;
 use super::layout::Unit;

@@ -5,9 +5,9 @@
 //!  ├─┬────┬┊┬────┬┤      against its mirror image; all others are whole or on the other side
 //! ```
 //!
-//! Each layer of mortar belongs to one unit. The halves of a wall with mortar are therefore not exact mirror
-//! images: its joints open at one of their faces, but those in the plane open in their middle. Dry walls are exact
-//! mirror images.
+//! Each layer of bed and head mortar belongs to one unit. The halves of a wall with mortar are therefore not exact
+//! mirror images along it: its head joints open at one of their faces, but those in the plane open in their middle. Dry
+//! walls are exact mirror images, and all walls through their thickness.
 
 use super::course::TOLERANCE;
 use super::layout::{Refusal, Unit};
@@ -48,11 +48,13 @@ pub(super) fn cut(
         require_fit(plane, wall, name, clamped)?;
         let images = images(plane, name, &units, tolerance)?;
         // Each layer of mortar belongs to the unit below or before it. If the side above the plane is kept, it
-        // belongs to the mirror image of that unit.
+        // belongs to the mirror image of that unit. Collar joints belong to the units on both sides.
         let owner = |i: usize| if plane.above { images[i] } else { i };
-        let joints: Vec<f64> = (0..units.len())
-            .map(|i| units[owner(i)].joint(d, true))
-            .collect();
+        let joint = |i: usize| match d == wall.axes().1 {
+            true => 2.0 * units[i].joint(d, !plane.above),
+            false => units[owner(i)].joint(d, true),
+        };
+        let joints: Vec<f64> = (0..units.len()).map(joint).collect();
         require_even(plane, wall, name, &units, tolerance)?;
         faces[2 * d + usize::from(!plane.above)] = true;
         let mut joints = joints.into_iter();

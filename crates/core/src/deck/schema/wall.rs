@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 /// A wall of representative elements. Each is a unit with the bed joint on top of it, the head joint at its far end
-/// and the collar joint behind it.
+/// and halves of the collar joints before and behind it.
 #[skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
