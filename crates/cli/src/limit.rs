@@ -1,11 +1,12 @@
 //! `wythe limit`: limit analysis of rigid units.
 
 use std::path::Path;
+use std::time::Instant;
 
 use wythe_core::command::argument;
 use wythe_core::deck::Deck;
 use wythe_core::deck::quantity::Pressure;
-use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings};
+use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, MOST_PROGRAMS, Progress};
 use wythe_core::model::Model;
 use wythe_core::results::FoundLimit;
 use wythe_core::results::limit::FILES;
@@ -15,7 +16,7 @@ use crate::arguments::Limit;
 use crate::failure::Failure;
 use crate::findings::{self, Sound};
 use crate::plot::write_picture;
-use crate::say::print;
+use crate::say::{print, tell};
 
 /// Reads the model, finds the factor and prints it.
 pub fn limit(arguments: &Limit) -> Result<(), Failure> {
@@ -26,7 +27,7 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         spare_inputs(out, FILES, &deck.inputs())?;
     }
-    let limit = FoundLimit::of(model, &settings).map_err(|why| failure(&why))?;
+    let limit = analysed(model, &settings)?;
     if let Some(file) = &arguments.picture {
         write_picture(file, limit.picture(), &deck.inputs())?;
     }
@@ -47,11 +48,35 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
 pub fn in_folder(deck: &Deck, model: Model, folder: &Path) -> Result<(), Failure> {
     let settings = LimitSettings::default();
     spare_inputs(folder, FILES, &deck.inputs())?;
-    let limit = FoundLimit::of(model, &settings).map_err(|why| failure(&why))?;
+    let limit = analysed(model, &settings)?;
     limit.write(folder)?;
     let text = text(&limit.model, &limit.found, &settings);
     print(&format!("{text}results in {}\n", argument(folder)))
 }
+
+/// Limit analysis, which tells its progress once it takes long.
+fn analysed(model: Model, settings: &LimitSettings) -> Result<FoundLimit, Failure> {
+    let start = Instant::now();
+    let mut told = |Progress { programs, factor }: Progress| {
+        let seconds = start.elapsed().as_secs();
+        if seconds < LONG {
+            return;
+        }
+        match programs {
+            0 => tell!(
+                "associated factor {factor:.6}, an upper bound, after {seconds} s; friction without dilatancy needs \
+                 several programs, each slower than this one: --associated ends here"
+            ),
+            _ => tell!(
+                "program {programs} of at most {MOST_PROGRAMS}: factor {factor:.6}, after {seconds} s"
+            ),
+        }
+    };
+    FoundLimit::of_told(model, settings, &mut told).map_err(|why| failure(&why))
+}
+
+/// Seconds from which on progress is told.
+const LONG: u64 = 3;
 
 /// The answer as JSON.
 fn json(found: &LimitAnalysis) -> Result<String, Failure> {

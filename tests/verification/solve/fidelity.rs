@@ -295,13 +295,14 @@ fn quarters_show_the_whole(full: &Recording, auto: &Recording, mesh: &str) {
     assert!(auto.states[0].q.len() < 4 * full.states[0].q.len() / 10);
 }
 
-/// Four blocks that touch each other in two planes of symmetry, joined in both. Slaves are below one plane and above
-/// the other.
+/// Four blocks on a fifth, which touch each other in two planes of symmetry and are joined in both. Slaves are below one
+/// plane and above the other. The bond holds: one-pass contact of faces that part and turn is not quite symmetric in the
+/// whole (1e-4 of the slip at twice the pull), of which the quarter gives the mean.
 #[test]
 fn joints_in_two_planes_leave_a_quarter() {
     let block = |name: &str, x: i32, y: i32| {
         format!(
-            "[[blocks]]\nname = \"{name}\"\nsize = [100, 50, 80]\nat = [{x}, {y}, 0]\nmaterial = \"brick\"\nmesh = [2, 2, 2]\n[[supports]]\non = \"{name}.bottom\"\n"
+            "[[blocks]]\nname = \"{name}\"\nsize = [100, 50, 80]\nat = [{x}, {y}, 0]\nmaterial = \"brick\"\nmesh = [2, 2, 2]\n"
         )
     };
     let joint = |slave: &str, master: &str| {
@@ -312,24 +313,29 @@ fn joints_in_two_planes_leave_a_quarter() {
         .iter()
         .map(|(name, x, y)| block(name, *x, *y))
         .collect();
-    let joints = joint("a.right", "b.left")
+    let ground = "[[blocks]]\nname = \"ground\"\nsize = [200, 100, 20]\nat = [0, 0, -20]\nmaterial = \"brick\"\nmesh = [4, 3, 1]\n";
+    let beds = ["a", "b", "c", "d"].map(|b| joint(&format!("{b}.bottom"), "ground.top"));
+    let joints = beds.concat()
+        + &joint("a.right", "b.left")
         + &joint("c.right", "d.left")
         + &joint("c.front", "a.back")
         + &joint("d.front", "b.back");
     let load = r#"
+[[supports]]
+on = "ground.bottom"
 [[steps]]
 kind = "load"
-loads = [{ name = "weight", on = ["a.top", "b.top", "c.top", "d.top"], pressure = 1.0 }, { name = "pull", on = ["a.left", "c.left", "b.right", "d.right"], pressure = -0.2 }]
+loads = [{ name = "weight", on = ["a.top", "b.top", "c.top", "d.top"], pressure = 1.0 }, { name = "pull", on = ["a.left", "c.left", "b.right", "d.right"], pressure = -0.25 }]
 tangent = "direct"
 tolerance = { residual = 1e-8 }
 "#;
     let (materials, _) = WALL.split_once("[wall]").unwrap();
-    let [(model, full), (_, auto)] = both(&format!("{materials}{blocks}{joints}{load}"));
+    let [(model, full), (_, auto)] = both(&format!("{materials}{ground}{blocks}{joints}{load}"));
     let at = |axis, at| MirrorPlane { axis, at };
     assert_eq!(mirror_planes(&model), [at(1, 50.0), at(0, 100.0)]);
     quarters_show_the_whole(&full, &auto, "blocks");
     let opening = &full.frames.last().unwrap().interfaces.opening;
-    assert!(opening.iter().any(|gap| *gap > 1e-4), "no joint opens");
+    assert!(opening.iter().any(|gap| *gap > 0.0), "no joint opens");
 }
 
 /// The summary describes the solved part, sizes are those of the whole, and reported nodes have their numbers in the

@@ -101,16 +101,37 @@ impl LimitError {
     }
 }
 
-/// Largest number of programs of a run.
-const MOST_PROGRAMS: usize = 40;
+/// Largest number of programs of the search without dilatancy.
+pub const MOST_PROGRAMS: usize = 40;
 /// Change of the factor from program to program at which the forces have settled.
 const SETTLED: f64 = 1e-4;
+
+/// How far a limit analysis has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Number of programs of the search without dilatancy that were solved; 0 before it.
+    pub programs: usize,
+    /// Factor of the last program; before the search the associated one, an upper bound.
+    pub factor: f64,
+}
 
 /// Limit analysis of a model.
 ///
 /// # Errors
 /// [`LimitError`].
 pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis, LimitError> {
+    analyse_told(model, settings, &mut |_| ())
+}
+
+/// The same, which tells its progress: the associated factor, then each program of the search without dilatancy.
+///
+/// # Errors
+/// [`LimitError`].
+pub fn analyse_told(
+    model: &Model,
+    settings: &LimitSettings,
+    tell: &mut dyn FnMut(Progress),
+) -> Result<LimitAnalysis, LimitError> {
     if let Some(layer) = model.layers.first() {
         return Err(LimitError::Layer(layer.clone()));
     }
@@ -124,11 +145,7 @@ pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis,
     let Some(live_step) = model.steps.get(step) else {
         return Err(LimitError::NothingLive);
     };
-    let scene = if settings.associated {
-        RigidScene::of(model, (step, live), settings)?
-    } else {
-        RigidScene::by_clarabel(model, (step, live), settings)?
-    };
+    let scene = scene(model, (step, live), settings, tell)?;
     let mut surface = YieldSurface::new(&scene.joints);
     let first = scene.solve(&surface, settings)?;
     let associated_factor = first.factor;
@@ -138,7 +155,8 @@ pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis,
         converged: settings.associated,
     };
     if !settings.associated {
-        search.settle(&mut surface, &|surface| scene.solve(surface, settings))?;
+        let mut solve = |surface: &YieldSurface<'_>| scene.solve(surface, settings);
+        search.settle(&mut surface, &mut solve, tell)?;
     }
     let best = &search.best;
     Ok(LimitAnalysis {
@@ -159,6 +177,27 @@ pub fn analyse(model: &Model, settings: &LimitSettings) -> Result<LimitAnalysis,
     })
 }
 
+/// The scene whose programs are solved. Before a search without dilatancy it tells the associated factor by the faster
+/// method, so that a large scene has an answer long before the search ends.
+fn scene<'a>(
+    model: &'a Model,
+    live: (usize, Live),
+    settings: &LimitSettings,
+    tell: &mut dyn FnMut(Progress),
+) -> Result<RigidScene<'a>, LimitError> {
+    let scene = RigidScene::of(model, live, settings)?;
+    if settings.associated {
+        return Ok(scene);
+    }
+    let surface = YieldSurface::new(&scene.joints);
+    let factor = scene.solve(&surface, settings)?.factor;
+    tell(Progress {
+        programs: 0,
+        factor,
+    });
+    RigidScene::by_clarabel(model, live, settings)
+}
+
 /// Search for forces that lie on the yield surface that they define.
 struct Search {
     best: Solution,
@@ -171,13 +210,18 @@ impl Search {
     fn settle(
         &mut self,
         surface: &mut YieldSurface<'_>,
-        solve: &dyn Fn(&YieldSurface<'_>) -> Result<Solution, LimitError>,
+        solve: &mut dyn FnMut(&YieldSurface<'_>) -> Result<Solution, LimitError>,
+        tell: &mut dyn FnMut(Progress),
     ) -> Result<(), LimitError> {
         let mut settled = 0;
         while self.programs < MOST_PROGRAMS {
             surface.follow(&self.best.forces, self.programs);
             let next = solve(surface)?;
             self.programs += 1;
+            tell(Progress {
+                programs: self.programs,
+                factor: next.factor,
+            });
             let change = (next.factor - self.best.factor).abs();
             let small = change <= SETTLED * next.factor.abs();
             settled = if small { settled + 1 } else { 0 };

@@ -17,7 +17,7 @@ use super::plotting::mechanism;
 use super::vtkhdf::still::{At, StillField, write_mesh, write_points};
 use crate::error::IoError;
 use crate::files::write_whole;
-use crate::limit::{LimitAnalysis, LimitError, LimitSettings, MovedUnit, analyse};
+use crate::limit::{LimitAnalysis, LimitError, LimitSettings, MovedUnit, Progress, analyse_told};
 use crate::model::Model;
 
 /// File of the figures.
@@ -49,7 +49,19 @@ impl FoundLimit {
     /// # Errors
     /// [`LimitError`].
     pub fn of(model: Model, settings: &LimitSettings) -> Result<Self, LimitError> {
-        let found = analyse(&model, settings)?;
+        Self::of_told(model, settings, &mut |_| ())
+    }
+
+    /// The same, which tells its progress.
+    ///
+    /// # Errors
+    /// [`LimitError`].
+    pub fn of_told(
+        model: Model,
+        settings: &LimitSettings,
+        tell: &mut dyn FnMut(Progress),
+    ) -> Result<Self, LimitError> {
+        let found = analyse_told(&model, settings, tell)?;
         Ok(Self { model, found })
     }
 

@@ -83,6 +83,44 @@ struct Distances {
     step: f64,
 }
 
+/// Contact points of all slave facets, and the parts of them that count; no parts if all count whole.
+fn points_at_rest(model: &Model, slave: &Surface) -> (Vec<SlavePoint>, Vec<f64>) {
+    let surfaces = &model.contact;
+    let mut points = Vec::with_capacity(4 * slave.facets.len());
+    let mut share = Vec::with_capacity(points.capacity());
+    for (f, facet) in slave.facets.iter().enumerate() {
+        let corners = slave.corners(f, &model.mesh.nodes);
+        let planes = surfaces.planes(f);
+        let of_facet = match surfaces.points {
+            ContactPoints::Gauss => gauss_points(&corners, &surfaces.part(f)),
+            ContactPoints::Corner => corner_points(&corners, &surfaces.part(f)),
+        };
+        for mut point in of_facet {
+            let part = model.mesh.point_share(facet, &point.weights, planes);
+            share.push(part);
+            point.area *= part;
+            points.push(point);
+        }
+    }
+    if share.iter().all(|part| *part == 1.0) {
+        share.clear();
+    }
+    (points, share)
+}
+
+/// Mean length of the edges of the slave facets [mm]; 1 without facets.
+fn mean_edge(model: &Model, slave: &Surface) -> f64 {
+    let (mut edges, mut count) = (0.0, 0.0);
+    for (f, _) in model.contact.whole_slaves() {
+        let corners = slave.corners(f, &model.mesh.nodes).map(Vector3::from);
+        for k in 0..4 {
+            edges += (corners[k] - corners[(k + 1) % 4]).norm();
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { edges / count } else { 1.0 }
+}
+
 impl Contact {
     /// Number of points with a status. With planes of symmetry it is that of the whole scene over the number of its
     /// parts, rounded.
@@ -115,36 +153,8 @@ impl Contact {
     pub fn new(model: &Model) -> Self {
         let surfaces = &model.contact;
         let (slave, master) = (surfaces.slave(), surfaces.master());
-        let x = &model.mesh.nodes;
-        let mut points = Vec::with_capacity(4 * slave.facets.len());
-        let mut share = Vec::new();
-        let (mut edges, mut count) = (0.0, 0.0);
-        for (f, facet) in slave.facets.iter().enumerate() {
-            let corners = slave.corners(f, x);
-            let planes = surfaces.planes(f);
-            let of_facet = match surfaces.points {
-                ContactPoints::Gauss => gauss_points(&corners, &surfaces.part(f)),
-                ContactPoints::Corner => corner_points(&corners, &surfaces.part(f)),
-            };
-            points.extend(of_facet.into_iter().map(|mut point| {
-                let part = model.mesh.point_share(facet, &point.weights, planes);
-                share.push(part);
-                point.area *= part;
-                point
-            }));
-        }
-        for (f, _) in surfaces.whole_slaves() {
-            let corners = slave.corners(f, x);
-            for k in 0..4 {
-                let (a, b) = (
-                    Vector3::from(corners[k]),
-                    Vector3::from(corners[(k + 1) % 4]),
-                );
-                edges += (a - b).norm();
-                count += 1.0;
-            }
-        }
-        let edge = if count > 0.0 { edges / count } else { 1.0 };
+        let (points, share) = points_at_rest(model, &slave);
+        let edge = mean_edge(model, &slave);
         let u_k = surfaces
             .laws
             .iter()
@@ -158,10 +168,7 @@ impl Contact {
             slave,
             master,
             law_of: surfaces.slave_law.clone(),
-            share: match share.iter().all(|part| *part == 1.0) {
-                true => Vec::new(),
-                false => share,
-            },
+            share,
             at_rest: points.iter().map(|point| point.weights).collect(),
             moved: Vec::new(),
             points,

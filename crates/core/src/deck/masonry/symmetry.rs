@@ -50,9 +50,12 @@ pub(super) fn cut(
         // Each layer of mortar belongs to the unit below or before it. If the side above the plane is kept, it
         // belongs to the mirror image of that unit. Collar joints belong to the units on both sides.
         let owner = |i: usize| if plane.above { images[i] } else { i };
-        let joint = |i: usize| match d == wall.axes().1 {
-            true => 2.0 * units[i].joint(d, !plane.above),
-            false => units[owner(i)].joint(d, true),
+        let joint = |i: usize| {
+            if d == wall.axes().1 {
+                2.0 * units[i].joint(d, !plane.above)
+            } else {
+                units[owner(i)].joint(d, true)
+            }
         };
         let joints: Vec<f64> = (0..units.len()).map(joint).collect();
         require_even(plane, wall, name, &units, tolerance)?;

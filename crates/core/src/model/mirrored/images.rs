@@ -127,9 +127,9 @@ impl Images {
         let centre = |b: usize| relative([0, 1, 2].map(|i| centre[b][i] / centre[b][3]));
         let all = || (0..bodies).filter(is_body);
         let at = unique(all().map(|b| (cell(centre(b)), b as u32)))?;
-        let image = |b: usize| match is_body(&b) {
-            true => at.get(&cell(self.of_vector(centre(b)))).copied(),
-            false => Some(b as u32),
+        let image = |b: usize| {
+            let found = || at.get(&cell(self.of_vector(centre(b)))).copied();
+            if is_body(&b) { found() } else { Some(b as u32) }
         };
         let image = (0..bodies).map(image).collect::<Option<Vec<u32>>>()?;
         // A node without an element is that of an image beyond another plane, or represents the other half of a joint.
