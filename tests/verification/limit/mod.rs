@@ -5,7 +5,7 @@ mod mirror;
 
 use crate::common::blocks::{HEAD, deck_and_model};
 use wythe::deck::Deck;
-use wythe::limit::{LimitAnalysis, LimitError, LimitSettings, analyse};
+use wythe::limit::{LimitAnalysis, LimitError, LimitSettings, Progress, analyse, analyse_told};
 use wythe::model::Model;
 
 fn read(path: &str) -> Model {
@@ -51,6 +51,21 @@ fn both(model: &Model, settings: LimitSettings) -> [f64; 2] {
     // The tolerance at which the forces count as settled.
     assert!(level <= bound * (1.0 + 1e-4), "{level} {bound}");
     [bound, level]
+}
+
+/// The associated factor is told before the search without dilatancy, then each of its programs, the last of which has
+/// the answer.
+#[test]
+fn a_search_tells_its_progress() {
+    let model = block([200.0, 100.0, 100.0]);
+    let mut told: Vec<Progress> = Vec::new();
+    let found = analyse_told(&model, &along(0), &mut |progress| told.push(progress)).unwrap();
+    let numbers: Vec<usize> = told.iter().map(|progress| progress.programs).collect();
+    let expected: Vec<usize> = std::iter::once(0).chain(2..=found.programs).collect();
+    assert_eq!(numbers, expected);
+    // Two methods, each solved to 1e-9.
+    assert!((told[0].factor - found.associated_factor).abs() < 1e-6);
+    assert_eq!(told.last().unwrap().factor, found.factor);
 }
 
 /// A block on another one that is held. Friction is 0.4.

@@ -194,7 +194,9 @@ impl RigidBodies {
                 let of_nodes = Carried {
                     places,
                     arms: nodes.map(|n| arms[n as usize]),
-                    signs: (!signs.is_empty()).then(|| nodes.map(|n| signs[n as usize])),
+                    signs: (!signs.is_empty())
+                        .then(|| nodes.map(|n| signs[n as usize]))
+                        .filter(|own| own.iter().any(|sign| sign.min() < 0.0)),
                 };
                 of_nodes.carry(&cells.stiffness[c * CELL..(c + 1) * CELL], to);
             });

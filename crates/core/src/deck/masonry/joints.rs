@@ -8,6 +8,7 @@ use crate::deck::bodies::Bodies;
 use crate::deck::body::Body;
 use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
+use crate::deck::quantity::Quantity;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
 use crate::material::ElasticParameters;
@@ -262,17 +263,13 @@ impl<'a> Joints<'a> {
                 1.0
             };
             let thickness = joint_thickness(wall, unit, face, sine);
-            let mut here = self.side(facet.element, thickness.unwrap_or(sine * facet.size));
-            let mut there = self.side(facing.element, sine * facing.size);
+            let here = self.side(facet.element, thickness.unwrap_or(sine * facet.size));
             // In the middle of a collar joint the mortar meets mortar. The joint has the stiffness of one at the face
             // of the unit behind.
-            if axis == wall.wall.axes().1
-                && let Some(thickness) = thickness
-                && let Some((element, size)) = self.behind_facing(masters, facing)
-            {
-                here = self.side(facet.element, 2.0 * thickness);
-                there = self.side(element, size);
-            }
+            let halved = axis == wall.wall.axes().1 && thickness.is_some();
+            let behind = halved.then(|| self.behind_facing(masters, facing));
+            let (element, size) = behind.flatten().unwrap_or((facing.element, facing.size));
+            let there = self.side(element, sine * size);
             let law = law_between(self.contact, name, interface, here, there);
             self.contact.add_slave(facet.nodes, body.number, law);
             let bodies = (body.number, facing.body);
@@ -465,11 +462,14 @@ fn interface_at<'a>(wall: &'a Masonry<'_>, axis: usize) -> &'a str {
 }
 
 /// Thickness of the joint at a face [mm], which is `sine` of what it is along the wall: the value of the deck if it agrees
-/// to rounding, else the actual one; none without a joint.
+/// to rounding, else the actual one; none without a joint. Units have half of a collar joint.
 fn joint_thickness(wall: &Masonry<'_>, unit: &Unit, face: Face, sine: f64) -> Option<f64> {
     let (axis, high) = face.side();
-    let actual = sine * unit.joint(axis, high);
-    let said = [wall.wall.bed_joint.get(), wall.wall.head_joint.get()];
+    let wall = wall.wall;
+    let whole = if axis == wall.axes().1 { 2.0 } else { 1.0 };
+    let actual = whole * sine * unit.joint(axis, high);
+    let collar = wall.collar_joint.unwrap_or(wall.head_joint);
+    let said = [wall.bed_joint, wall.head_joint, collar].map(Quantity::get);
     let said = said.into_iter().find(|t| (t - actual).abs() <= 1e-9 * t);
     (actual > 0.0).then(|| said.unwrap_or(actual))
 }

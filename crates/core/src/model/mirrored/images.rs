@@ -21,7 +21,7 @@ pub(crate) struct Images {
     pub axis: usize,
     /// Coordinate of the plane on it [mm].
     pub at: f64,
-    /// Image of each node, itself if it lies in the plane. `[node]`
+    /// Image of each node, itself if it lies in the plane and its body across it. `[node]`
     pub node: Vec<u32>,
     /// Side of each node: −1 below the plane, 1 above, 0 if it is its own image. A node in the plane whose image belongs
     /// to another body is on the side of its body. `[node]`
