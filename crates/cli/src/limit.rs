@@ -57,22 +57,31 @@ pub fn in_folder(deck: &Deck, model: Model, folder: &Path) -> Result<(), Failure
 /// Limit analysis, which tells its progress once it takes long.
 fn analysed(model: Model, settings: &LimitSettings) -> Result<FoundLimit, Failure> {
     let start = Instant::now();
-    let mut told = |Progress { programs, factor }: Progress| {
+    let mut told = |progress: Progress| {
         let seconds = start.elapsed().as_secs();
         if seconds < LONG {
             return;
         }
-        match programs {
+        let limit = factor_or_force(progress.factor, progress.force);
+        match progress.programs {
             0 => tell!(
-                "associated factor {factor:.6}, an upper bound, after {seconds} s; friction without dilatancy needs \
-                 several programs, each slower than this one: --associated ends here"
+                "associated: {limit}, an upper bound, after {seconds} s; friction without dilatancy needs some twenty \
+                 such programs: --associated ends here"
             ),
-            _ => tell!(
-                "program {programs} of at most {MOST_PROGRAMS}: factor {factor:.6}, after {seconds} s"
-            ),
+            programs => {
+                tell!("program {programs} of at most {MOST_PROGRAMS}: {limit}, after {seconds} s")
+            }
         }
     };
     FoundLimit::of_told(model, settings, &mut told).map_err(|why| failure(&why))
+}
+
+/// A limit in words: the force along a drive [kN], or the factor of the live loads.
+fn factor_or_force(factor: f64, force: Option<f64>) -> String {
+    match force {
+        Some(force) => format!("{force:.4} kN"),
+        None => format!("factor {factor:.6}"),
+    }
 }
 
 /// Seconds from which on progress is told.
@@ -146,10 +155,7 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
     let mut text = format!("{}\n", model.title);
     let mut line = |head: &str, what: String| text += &format!("  {head:12}{what}\n");
     line("live load", found.live_load.clone());
-    match found.force {
-        Some(force) => line("limit", format!("{force:.4} kN")),
-        None => line("limit", format!("factor {:.6}", found.factor)),
-    }
+    line("limit", factor_or_force(found.factor, found.force));
     let joints = if settings.bonded {
         "with their bond"
     } else {
@@ -168,13 +174,18 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
             format!("{:.6}, an upper bound", unit * found.associated_factor),
         );
     }
-    line(
-        "certificate",
+    let certificate = if settings.associated {
         format!(
             "the mechanism gives the same factor within {:.0e}",
             found.gap
-        ),
-    );
+        )
+    } else {
+        format!(
+            "joints that slide open or close by {:.1} % of the work of the live load",
+            100.0 * found.opening_work
+        )
+    };
+    line("certificate", certificate);
     let [bodies, joints, corners] = found.sizes;
     line(
         "sizes",
@@ -193,7 +204,7 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
     line("mechanism", format!("{} units move", moving.count()));
     if !found.converged {
         text += &format!(
-            "warning: the forces of {} programs did not settle; the last factor is given\n",
+            "warning: in the mechanisms of {} programs joints open or close as they slide; the last factor is given\n",
             found.programs
         );
     }

@@ -119,7 +119,7 @@ fn at_rest(sound: &Sound) -> Result<Report, Failure> {
     let folder = tempfile::tempdir()
         .map_err(|error| Failure::InputOutput(miette::miette!("no temporary folder: {error}")))?;
     let run = RunDirectory::of_deck(folder.path(), &sound.model, &sound.deck)?;
-    let report = Report::of(&RunFolder::open(folder.path())?, None)?;
+    let report = Report::at_rest(&RunFolder::open(folder.path())?, &sound.model)?;
     drop(run);
     Ok(report)
 }

@@ -48,8 +48,8 @@ fn both(model: &Model, settings: LimitSettings) -> [f64; 2] {
         );
         found.factor
     });
-    // The tolerance at which the forces count as settled.
-    assert!(level <= bound * (1.0 + 1e-4), "{level} {bound}");
+    // The tolerance of the programs.
+    assert!(level <= bound * (1.0 + 1e-6), "{level} {bound}");
     [bound, level]
 }
 
@@ -63,9 +63,10 @@ fn a_search_tells_its_progress() {
     let numbers: Vec<usize> = told.iter().map(|progress| progress.programs).collect();
     let expected: Vec<usize> = std::iter::once(0).chain(2..=found.programs).collect();
     assert_eq!(numbers, expected);
-    // Two methods, each solved to 1e-9.
+    // The same program.
     assert!((told[0].factor - found.associated_factor).abs() < 1e-6);
-    assert_eq!(told.last().unwrap().factor, found.factor);
+    // One body slides at any program by its friction, to the tolerance of the programs.
+    near(told.last().unwrap().factor, found.factor, 1e-6);
 }
 
 /// A block on another one that is held. Friction is 0.4.
@@ -178,6 +179,65 @@ kind = \"gravity\"
         ..LimitSettings::default()
     };
     near_both(both(&model, down), angles[1].tan(), 1e-5);
+}
+
+/// Critical states without dilatancy of dry walls, in parts of the weight: those of runs in increments of validation page
+/// 6 less the 0.0005 that their load grows as they move, and Ferris and Tin-Loi's value of the first wall, 0.63982, as
+/// others cite it.
+#[test]
+fn dry_walls_slide_without_opening() {
+    let windows = "[{from=400,to=800,sill=3,courses=5},{from=1200,to=1600,sill=3,courses=5}]";
+    let half = [
+        "wall.pattern.0.leaves=[{units=[400],offset=-200}]",
+        "wall.pattern.1.leaves=[{units=[400]}]",
+        "wall.courses=11",
+    ];
+    let with = |sets: &[&str]| {
+        let sets: Vec<(String, String)> = sets
+            .iter()
+            .map(|set| set.split_once('=').unwrap())
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .collect();
+        let deck = Deck::load("docs/validation/06-dry-blocks/wall.toml", &sets).unwrap();
+        Model::from_deck(&deck).unwrap().0
+    };
+    let windowed = format!("wall.openings={windows}");
+    let one = "wall.openings=[{from=600,to=1000,sill=3,courses=5}]";
+    // The sum of the pressures' work is within 2 %, the factor of a critical state within a fifth of it. Of the wall with
+    // two windows, runs find another critical state.
+    for (model, known, tolerance) in [
+        (
+            read("docs/validation/06-dry-blocks/wall-06-half.toml"),
+            0.63982,
+            0.004,
+        ),
+        (
+            read("docs/validation/06-dry-blocks/wall-08-half.toml"),
+            0.5947,
+            0.004,
+        ),
+        (
+            read("docs/validation/06-dry-blocks/wall-11-half.toml"),
+            0.5495,
+            0.004,
+        ),
+        (
+            read("docs/validation/06-dry-blocks/bricks.toml"),
+            0.7084,
+            0.004,
+        ),
+        (
+            with(&["wall.courses=11", "wall.length=1600", one]),
+            0.3635,
+            0.006,
+        ),
+        (with(&[half[0], half[1], half[2], &windowed]), 0.3075, 0.04),
+    ] {
+        let found = analyse(&model, &along(0)).unwrap();
+        assert!(found.converged && found.opening_work <= 0.02);
+        let factor = found.factor;
+        assert!((factor / known - 1.0).abs() < tolerance, "{factor} {known}");
+    }
 }
 
 /// Walls of dry blocks on a tilted table, `dry_block_wall_limit_multiplier.csv` beside the decks: linear programs with

@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::Live;
 use super::program::Solution;
 use super::scene::RigidScene;
-use super::yield_surface::YieldSurface;
 
 /// Result of a limit analysis.
 #[derive(Clone, Debug, Serialize)]
@@ -31,8 +30,10 @@ pub struct LimitAnalysis {
     pub associated_factor: f64,
     /// Number of programs that were solved.
     pub programs: usize,
-    /// Whether the forces of consecutive programs agree.
+    /// Whether the joints of the mechanism slide without opening, up to `opening_work`.
     pub converged: bool,
+    /// Work of the pressures on joints that open or close as they slide, over that of the live loads [-].
+    pub opening_work: f64,
     /// Number of bodies that can move, of joints, and of their corners.
     pub sizes: [usize; 3],
     /// Axis of the normal of the plane about which the scene is symmetric, so that half of its forces were unknown;
@@ -95,10 +96,10 @@ pub struct TieForce {
 
 impl RigidScene<'_> {
     /// Number of bodies that can move, of joints, and of their corners.
-    pub(super) fn sizes(&self, surface: &YieldSurface<'_>) -> [usize; 3] {
+    pub(super) fn sizes(&self) -> [usize; 3] {
         let bodies = self.bodies.all.iter();
         let moving = bodies.filter(|body| !body.motions.is_empty()).count();
-        [moving, self.joints.len(), surface.corners().len()]
+        [moving, self.joints.len(), self.corners.len()]
     }
 
     /// Motions of all units, with the fastest node at a speed of 1.
@@ -130,12 +131,8 @@ impl RigidScene<'_> {
     }
 
     /// Resultants of the joints.
-    pub(super) fn joint_forces(
-        &self,
-        surface: &YieldSurface<'_>,
-        solution: &Solution,
-    ) -> Vec<JointForce> {
-        let mut corners = surface.corners().iter().zip(&solution.forces);
+    pub(super) fn joint_forces(&self, solution: &Solution) -> Vec<JointForce> {
+        let mut corners = self.corners.iter().zip(&solution.forces);
         let called = |body: usize| self.model.mesh.called(self.bodies.all[body].unit);
         let resultant = |joint: &super::joints::Joint| {
             let count = joint.corners.len();

@@ -14,8 +14,8 @@ mod mirror;
 mod program;
 mod rods;
 mod scene;
+mod search;
 mod unknowns;
-mod yield_surface;
 
 pub use actions::Live;
 pub use answer::{JointForce, LimitAnalysis, MovedUnit, TieForce};
@@ -23,9 +23,8 @@ pub use joints::{Strength, convex_outline};
 
 use crate::model::Model;
 use actions::live_step;
-use program::Solution;
 use scene::RigidScene;
-use yield_surface::YieldSurface;
+use search::Search;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -103,16 +102,16 @@ impl LimitError {
 
 /// Largest number of programs of the search without dilatancy.
 pub const MOST_PROGRAMS: usize = 40;
-/// Change of the factor from program to program at which the forces have settled.
-const SETTLED: f64 = 1e-4;
 
 /// How far a limit analysis has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Number of programs of the search without dilatancy that were solved; 0 before it.
     pub programs: usize,
-    /// Factor of the last program; before the search the associated one, an upper bound.
+    /// Factor of the last program; before the search the associated one, an upper bound. Of a drive the force [N].
     pub factor: f64,
+    /// The same as a force along the drive [kN]; `None` if the live load is none.
+    pub force: Option<f64>,
 }
 
 /// Limit analysis of a model.
@@ -145,19 +144,15 @@ pub fn analyse_told(
     let Some(live_step) = model.steps.get(step) else {
         return Err(LimitError::NothingLive);
     };
-    let scene = scene(model, (step, live), settings, tell)?;
-    let mut surface = YieldSurface::new(&scene.joints);
-    let first = scene.solve(&surface, settings)?;
+    let scene = RigidScene::of(model, (step, live), settings)?;
+    let first = scene.solve(settings, &[])?;
     let associated_factor = first.factor;
-    let mut search = Search {
-        best: first,
-        programs: 1,
-        converged: settings.associated,
+    let search = if settings.associated {
+        Search::associated(first)
+    } else {
+        tell(scene.progress(0, first.factor));
+        Search::without_dilatancy(&scene, first, settings, tell)?
     };
-    if !settings.associated {
-        let mut solve = |surface: &YieldSurface<'_>| scene.solve(surface, settings);
-        search.settle(&mut surface, &mut solve, tell)?;
-    }
     let best = &search.best;
     Ok(LimitAnalysis {
         factor: best.factor,
@@ -169,69 +164,11 @@ pub fn analyse_told(
         associated_factor,
         programs: search.programs,
         converged: search.converged,
-        sizes: scene.sizes(&surface),
+        opening_work: best.opening_work,
+        sizes: scene.sizes(),
         mirror: scene.unknowns.axis.map(|axis| ["x", "y", "z"][axis]),
         mechanism: scene.mechanism(best),
-        joints: scene.joint_forces(&surface, best),
+        joints: scene.joint_forces(best),
         ties: scene.tie_forces(best),
     })
-}
-
-/// The scene whose programs are solved. Before a search without dilatancy it tells the associated factor by the faster
-/// method, so that a large scene has an answer long before the search ends.
-fn scene<'a>(
-    model: &'a Model,
-    live: (usize, Live),
-    settings: &LimitSettings,
-    tell: &mut dyn FnMut(Progress),
-) -> Result<RigidScene<'a>, LimitError> {
-    let scene = RigidScene::of(model, live, settings)?;
-    if settings.associated {
-        return Ok(scene);
-    }
-    let surface = YieldSurface::new(&scene.joints);
-    let factor = scene.solve(&surface, settings)?.factor;
-    tell(Progress {
-        programs: 0,
-        factor,
-    });
-    RigidScene::by_clarabel(model, live, settings)
-}
-
-/// Search for forces that lie on the yield surface that they define.
-struct Search {
-    best: Solution,
-    programs: usize,
-    converged: bool,
-}
-
-impl Search {
-    /// Repeats the program with the surface of the last forces until the factor settles.
-    fn settle(
-        &mut self,
-        surface: &mut YieldSurface<'_>,
-        solve: &mut dyn FnMut(&YieldSurface<'_>) -> Result<Solution, LimitError>,
-        tell: &mut dyn FnMut(Progress),
-    ) -> Result<(), LimitError> {
-        let mut settled = 0;
-        while self.programs < MOST_PROGRAMS {
-            surface.follow(&self.best.forces, self.programs);
-            let next = solve(surface)?;
-            self.programs += 1;
-            tell(Progress {
-                programs: self.programs,
-                factor: next.factor,
-            });
-            let change = (next.factor - self.best.factor).abs();
-            let small = change <= SETTLED * next.factor.abs();
-            settled = if small { settled + 1 } else { 0 };
-            self.best = next;
-            // Two small changes: one may be the turn of a swing.
-            if settled == 2 && surface.holds(&self.best.forces) {
-                self.converged = true;
-                break;
-            }
-        }
-        Ok(())
-    }
 }

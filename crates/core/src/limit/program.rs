@@ -18,7 +18,7 @@ use super::matrix::Matrix;
 use super::rods::Rod;
 use super::unknowns::Unknowns;
 
-/// A corner of a joint, at which a force acts.
+/// A corner of a joint, at which a force acts (Coulomb's law of the joint, its bond shared by the corners).
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     /// Index of its joint.
@@ -31,6 +31,23 @@ pub struct Corner {
     pub cohesion: f64,
     /// Largest tensile force [N].
     pub tension: f64,
+}
+
+impl Corner {
+    /// All corners of joints, joint by joint.
+    pub fn all(joints: &[Joint]) -> Vec<Self> {
+        let corners = joints.iter().enumerate().flat_map(|(j, joint)| {
+            let share = joint.area / joint.corners.len() as f64;
+            joint.corners.iter().map(move |at| Self {
+                joint: j,
+                at: *at,
+                friction: joint.strength.friction,
+                cohesion: joint.strength.cohesion * share,
+                tension: joint.strength.tension * share,
+            })
+        });
+        corners.collect()
+    }
 }
 
 /// The program.
@@ -49,8 +66,9 @@ pub struct Program<'a> {
     pub rods: &'a [Rod],
     /// Motions and forces that are unknown.
     pub unknowns: &'a Unknowns,
-    /// Whether clarabel solves it.
-    pub by_clarabel: bool,
+    /// Velocities by which the corners may slip without opening, for a live power of 1 in the units of the program;
+    /// empty for associated friction. `[orbit of corners]`
+    pub slips: &'a [f64],
 }
 
 /// Solution of a program.
@@ -66,6 +84,13 @@ pub struct Solution {
     pub rods: Vec<f64>,
     /// Velocity and spin of each body in the mechanism, for a live power of 1. `[body]`
     pub mechanism: Vec<[Vector3<f64>; 2]>,
+    /// Velocity by which each corner slips, in the units of [`Program::slips`]. `[orbit of corners]`
+    pub slips: Vec<f64>,
+    /// Largest relative velocity of a corner, in these units.
+    pub fastest: f64,
+    /// Work of the pressures on corners that open or close as they slide, over that of the live loads; that of the
+    /// dilatancy if it is associated [-].
+    pub opening_work: f64,
 }
 
 /// Factor below which the gap is relative to this one instead.
@@ -124,14 +149,11 @@ impl Program<'_> {
     pub fn solve(&self) -> Result<Solution, LimitError> {
         let scale = self.force_scale();
         let program = self.matrix(scale);
-        let mut cost = vec![0.0; program.entries.n];
-        cost[0] = -1.0;
-        let own = (!self.by_clarabel).then(|| {
-            let (nodes, places) = self.nodes();
-            interior::solve(&program, &cost, (&nodes, &places), TOLERANCE)
-        });
+        let cost = self.cost(&program);
+        let (nodes, places) = self.nodes();
+        let own = interior::solve(&program, &cost, (&nodes, &places), TOLERANCE);
         let sound = |answer: &Answer| answer.end != End::Stalled || answer.error <= COARSE;
-        let answer = match own.flatten().filter(sound) {
+        let answer = match own.filter(sound) {
             Some(answer) => answer,
             None => by_clarabel(&program, &cost, TOLERANCE)
                 .or_else(|_| by_clarabel(&program, &cost, COARSE))?,
@@ -146,20 +168,67 @@ impl Program<'_> {
             End::Solved | End::Stalled => {}
         }
         let factor = answer.x[0];
-        let gap = (factor + answer.bound).abs() / factor.abs().max(SMALL);
+        let size = factor.abs().max(SMALL);
+        let objective: f64 = cost.iter().zip(&answer.x).map(|(c, x)| c * x).sum();
+        let gap = (objective - answer.bound).abs() / size;
         // A solution that is not in balance to the tolerance is no better than this.
         let miss = if answer.end == End::Stalled {
             answer.error
         } else {
             0.0
         };
+        let moved = self.corner_velocities(&program, &answer.y);
+        let opening_work = self.opening_work(&answer.x, &moved) / size;
+        let fastest = moved.iter().map(|v| v[0].hypot(v[1]));
         Ok(Solution {
+            fastest: fastest.fold(0.0, f64::max),
+            slips: moved.into_iter().map(|[_, slip]| slip).collect(),
+            opening_work,
             factor: without_noise(factor) * live,
             gap: gap.max(miss),
             forces: self.forces(&answer.x, scale),
             rods: self.rod_forces(&answer.x, scale),
             mechanism: self.mechanism(&answer.y, 1.0 / live),
         })
+    }
+
+    /// Costs of the unknowns: −1 of λ, and μ s of the normal force at a corner that may slip by s.
+    fn cost(&self, program: &Matrix) -> Vec<f64> {
+        let mut cost = vec![0.0; program.entries.n];
+        cost[0] = -1.0;
+        for (o, slip) in self.slips.iter().enumerate() {
+            let friction = self.corners[self.unknowns.corners[o].0].friction;
+            cost[1 + self.unknowns.width() * o] = friction * slip;
+        }
+        cost
+    }
+
+    /// Opening and slip of each orbit of corners by the multipliers of the equations.
+    fn corner_velocities(&self, program: &Matrix, multipliers: &[f64]) -> Vec<[f64; 2]> {
+        let (width, equations) = (self.unknowns.width(), program.equations());
+        let entries = &program.entries;
+        let velocity = |column: usize| {
+            let own = entries.colptr[column]..entries.colptr[column + 1];
+            let own = own.filter(|e| entries.rowval[*e] < equations);
+            own.map(|e| entries.nzval[e] * multipliers[entries.rowval[e]])
+                .sum::<f64>()
+        };
+        let orbits = (0..self.unknowns.corners.len()).map(|o| {
+            let first = 1 + width * o;
+            let slip = (1..width).map(|i| velocity(first + i).powi(2));
+            [velocity(first), slip.sum::<f64>().sqrt()]
+        });
+        orbits.collect()
+    }
+
+    /// Σ μ n |v − s| over the corners with slips v and allowed slips s, in the units of the program.
+    fn opening_work(&self, x: &[f64], moved: &[[f64; 2]]) -> f64 {
+        let work = moved.iter().enumerate().map(|(o, [_, slip])| {
+            let allowed = self.slips.get(o).copied().unwrap_or(0.0);
+            let friction = self.corners[self.unknowns.corners[o].0].friction;
+            (friction * x[1 + self.unknowns.width() * o] * (slip - allowed)).abs()
+        });
+        work.sum()
     }
 
     /// Body of each equation, and the places of the bodies. A body with many joints has none, so that it is eliminated

@@ -3,11 +3,10 @@
 use super::actions::Actions;
 use super::bodies::Bodies;
 use super::joints::Joint;
-use super::program::{Program, Solution};
+use super::program::{Corner, Program, Solution};
 use super::rods::Rod;
 use super::unknowns::Unknowns;
-use super::yield_surface::YieldSurface;
-use super::{LimitError, LimitSettings, Live};
+use super::{LimitError, LimitSettings, Live, Progress};
 use crate::model::Model;
 
 /// A scene of rigid units.
@@ -24,8 +23,10 @@ pub struct RigidScene<'a> {
     actions: Actions,
     /// Unknowns of the program.
     pub unknowns: Unknowns,
-    /// Whether clarabel solves its programs.
-    by_clarabel: bool,
+    /// Corners of the joints, joint by joint.
+    pub corners: Vec<Corner>,
+    /// Whether the live load is a drive, of which the factor is the force [N].
+    drives: bool,
 }
 
 impl<'a> RigidScene<'a> {
@@ -49,55 +50,40 @@ impl<'a> RigidScene<'a> {
         let unknowns = reduced.flatten();
         let unknowns = unknowns.unwrap_or_else(|| Unknowns::all(&bodies, &joints, &rods));
         Ok(Self {
+            corners: Corner::all(&joints),
+            drives: live.1 == Live::Drive,
             model,
             bodies,
             joints,
             rods,
             actions,
             unknowns,
-            by_clarabel: false,
         })
     }
 
-    /// The same scene with its whole programs, solved by clarabel: of the many solutions of an almost level yield surface
-    /// it finds those from which the search without dilatancy settles.
-    ///
-    /// # Errors
-    /// As [`RigidScene::of`].
-    pub fn by_clarabel(
-        model: &'a Model,
-        live: (usize, Live),
-        settings: &LimitSettings,
-    ) -> Result<Self, LimitError> {
-        let whole = LimitSettings {
-            whole: true,
-            ..*settings
-        };
-        let scene = Self::of(model, live, &whole)?;
-        Ok(Self {
-            by_clarabel: true,
-            ..scene
-        })
+    /// Progress after so many programs, the last of which has this factor.
+    pub fn progress(&self, programs: usize, factor: f64) -> Progress {
+        Progress {
+            programs,
+            factor,
+            force: self.drives.then_some(1e-3 * factor),
+        }
     }
 
-    /// Largest factor with a yield surface.
+    /// Largest factor if the corners may slip by given velocities without opening ([`Program::slips`]).
     ///
     /// # Errors
     /// No state carries the dead loads, no factor is too large, the solver fails.
-    pub fn solve(
-        &self,
-        surface: &YieldSurface<'_>,
-        settings: &LimitSettings,
-    ) -> Result<Solution, LimitError> {
+    pub fn solve(&self, settings: &LimitSettings, slips: &[f64]) -> Result<Solution, LimitError> {
         let program = Program {
             bodies: &self.bodies,
             joints: &self.joints,
-            corners: surface.corners(),
+            corners: &self.corners,
             loads: [&self.actions.dead, &self.actions.live],
             strength: settings.strength,
             rods: &self.rods,
             unknowns: &self.unknowns,
-            by_clarabel: self.by_clarabel,
+            slips,
         };
         program.solve().map_err(|why| match why {
             LimitError::Falls(body) => {

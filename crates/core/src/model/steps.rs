@@ -156,6 +156,13 @@ impl Step {
         self.motion.iter().flatten().any(driven) || springs.any(|by| *by != 0.0)
     }
 
+    /// Whether the step changes weights or loads, and drives nothing.
+    pub fn only_loads(&self) -> bool {
+        let grows = matches!(self.gravity, Gravity::Growing(_) | Gravity::Turning { .. });
+        let loads = grows || self.loads.iter().any(Option::is_some);
+        loads && !self.drives() && self.control.is_none()
+    }
+
     /// Number of branches of the amplitude.
     pub fn branches(&self) -> usize {
         self.amplitude.as_ref().map_or(1, Amplitude::branches)

@@ -66,6 +66,11 @@ impl Energies {
         is_moving(self.kinetic, before.kinetic, self.taken())
     }
 
+    /// Whether bodies are faster than they were `before`, beyond the tolerance.
+    pub fn hastens(&self, before: &Self) -> bool {
+        self.kinetic > before.kinetic && self.kinetic > BEGINS * QUIET * self.taken()
+    }
+
     /// Energy dissipated since `before`, over its sum with the change of the elastic energy [-].
     pub fn dissipated_share(&self, before: &Self) -> f64 {
         let sum = |e: &Self| e.plastic_damage + e.interface + e.viscous;

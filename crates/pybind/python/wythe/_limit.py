@@ -33,7 +33,10 @@ class LimitAnalysis:
     gap : float
         Distance of the factor to that of its mechanism, over the factor [-]: a certificate of the solution.
     converged : bool
-        Whether the forces settled; the factor is that of the last program otherwise.
+        Whether the joints of the mechanism slide without opening, up to ``opening_work``; the factor is that of the
+        last program otherwise.
+    opening_work : float
+        Work of the pressures on joints that open or close as they slide, over that of the live loads [-].
     programs : int
         Number of programs that were solved.
     mechanism : list of dict
@@ -54,6 +57,7 @@ class LimitAnalysis:
     associated_factor: float
     gap: float
     converged: bool
+    opening_work: float
     programs: int
     mechanism: list[dict[str, Any]] = field(repr=False)
     joints: list[dict[str, Any]] = field(repr=False)
@@ -94,6 +98,7 @@ def limit_of(
         associated_factor=found["associated_factor"],
         gap=found["gap"],
         converged=found["converged"],
+        opening_work=found["opening_work"],
         programs=found["programs"],
         mechanism=found["mechanism"],
         joints=found["joints"],

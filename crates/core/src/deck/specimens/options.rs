@@ -108,6 +108,19 @@ impl Specimen {
                 "leave it out, or change --unit",
             ));
         }
+        if let Some([length, height]) = size
+            && (length < unit[0] || height < unit[2])
+        {
+            let message = format!(
+                "{length} x {height} mm holds no unit, which is {} mm long and {} mm high",
+                unit[0], unit[2]
+            );
+            return Err(SpecimenError::new(
+                "--size",
+                message,
+                "a larger size, or a smaller --unit",
+            ));
+        }
         Ok(Self {
             name: test.name,
             unit,

@@ -74,6 +74,11 @@ fn options_that_a_test_does_not_have_are_named() {
         said.starts_with("--size: the specimen of en1052-3"),
         "{said}"
     );
+    let said = refused("astm-e519", with(|o| o.size = Some("100x1000".to_owned())));
+    assert!(
+        said.starts_with("--size: 100 x 1000 mm holds no unit"),
+        "{said}"
+    );
     let said = refused(
         "en1052-3",
         with(|o| o.precompression = Some("0.2, 0.2".to_owned())),

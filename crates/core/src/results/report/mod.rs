@@ -12,6 +12,7 @@
 //! drive) gives a page with the available parts.
 
 mod figures;
+mod marks;
 mod packed;
 mod page;
 mod series;
@@ -27,7 +28,9 @@ use super::colours::Table;
 use super::estimate::ErrorEstimate;
 use super::{Answers, Experiment, ReadError, ReadHistory, RunFolder, SummaryFile};
 use crate::files::write_whole;
+use crate::model::Model;
 use crate::state::{HistoryRow, Status};
+use marks::Mark;
 use page::{escape, escape_json, fill};
 use series::Series;
 use view::{Scene, View};
@@ -93,7 +96,15 @@ impl Report {
     /// # Errors
     /// The history cannot be read. Other missing or damaged files are noted on the page.
     pub fn of(folder: &RunFolder, experiment: Option<&Experiment>) -> Result<Self, ReadError> {
-        Self::between(folder, experiment, [LIMIT, LARGEST])
+        Self::between(folder, experiment, [LIMIT, LARGEST], &[])
+    }
+
+    /// The page of a folder without increments, with supports, drives and loads of its model below the pointer.
+    ///
+    /// # Errors
+    /// As for [`Report::of`].
+    pub fn at_rest(folder: &RunFolder, model: &Model) -> Result<Self, ReadError> {
+        Self::between(folder, None, [LIMIT, LARGEST], &Mark::all(model))
     }
 
     /// [`Report::of`] with another limit for the size of the page [byte].
@@ -105,7 +116,7 @@ impl Report {
         experiment: Option<&Experiment>,
         limit: usize,
     ) -> Result<Self, ReadError> {
-        Self::between(folder, experiment, [limit, limit])
+        Self::between(folder, experiment, [limit, limit], &[])
     }
 
     /// A page of at most `limit`, or of at most `largest` with at most [`FRAMES`] frames [byte].
@@ -113,6 +124,7 @@ impl Report {
         folder: &RunFolder,
         experiment: Option<&Experiment>,
         [limit, largest]: [usize; 2],
+        marks: &[Mark],
     ) -> Result<Self, ReadError> {
         let history = folder.history()?;
         let mut notes = Vec::new();
@@ -120,7 +132,7 @@ impl Report {
         let deck = or_note(folder.deck(), &mut notes).flatten();
         let fields = or_note(folder.fields(), &mut notes);
         let scene = fields.as_ref().and_then(|file| {
-            let scene = Scene::open(file, &mut notes);
+            let scene = Scene::open(file, marks, &mut notes);
             or_note(
                 scene.map_err(|why| fields_unread(file.path(), why)),
                 &mut notes,

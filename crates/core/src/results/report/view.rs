@@ -4,6 +4,7 @@ use std::io;
 
 use serde::Serialize;
 
+use super::marks::{EncodedMark, Mark};
 use super::packed;
 use super::skin::BoundaryFacets;
 use crate::element::hex8::FACES;
@@ -49,6 +50,8 @@ pub(super) struct View {
     pub widest: f64,
     /// Initial magnification of displacements.
     pub magnification: f64,
+    /// Supports, drives and loads; empty after a run.
+    pub marks: Vec<EncodedMark>,
     /// The frames.
     pub frames: Vec<EncodedFrame>,
 }
@@ -105,7 +108,7 @@ fn facets(
 
 impl<'a> Scene<'a> {
     /// Reads the data at rest. Omitted parts are added to `notes`.
-    pub fn open(file: &'a FieldsFile, notes: &mut Vec<String>) -> io::Result<Self> {
+    pub fn open(file: &'a FieldsFile, marks: &[Mark], notes: &mut Vec<String>) -> io::Result<Self> {
         let mesh = file.mesh()?;
         let damaged = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what);
         let skin = BoundaryFacets::of(&mesh)
@@ -153,6 +156,7 @@ impl<'a> Scene<'a> {
             facets: numbers(facets.as_flattened()),
             widest: 0.0,
             magnification: 1.0,
+            marks: Mark::encoded(marks, &skin.nodes),
             frames: Vec::new(),
         };
         Ok(Self {

@@ -4,7 +4,8 @@
 //! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
 //! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
 //! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
-//! then ends: it seeks an equilibrium, and there is none. So does a step whose load a displacement steers if this load
+//! then ends: it seeks an equilibrium, and there is none. At held loads it ends earlier: when a body has moved by
+//! [`AT_END`] of its edge, and the kinetic energy grows and exceeds [`ACCELERATES`] times the elastic one. So does a step whose load a displacement steers if this load
 //! acts on a body that falls, or that has moved by [`AT_END`] of its edge while the kinetic energy grows and exceeds
 //! the elastic energy: the body no longer resists the load. Otherwise a step that drives or steers continues
 //! until falling bodies have more than half of the mass of all bodies without support, because stones may fall off a
@@ -31,6 +32,8 @@ const MOST: f64 = 0.5;
 /// Displacement over the smallest edge from which an accelerating body counts as fallen at the end of the run, or
 /// under a steered load.
 const AT_END: f64 = 0.1;
+/// Kinetic energy over the elastic one from which bodies fall that accelerate at held loads.
+const ACCELERATES: f64 = 0.2;
 /// Part of the largest displacement from which further bodies are named.
 const NAMED: f64 = 0.5;
 
@@ -128,7 +131,9 @@ impl Run<'_> {
         };
         let fallen = mass(&falls);
         let steered = step_run.step.control.is_some();
-        let flies = hastens && energies.kinetic > energies.elastic;
+        let held = step_run.held > 0;
+        let least = if held { ACCELERATES } else { 1.0 };
+        let flies = hastens && energies.kinetic > least * energies.elastic;
         let part = if flies { AT_END } else { 1.0 };
         let gives_way = |body: &Moved| body.loaded && body.way() > part * body.edge + driven;
         let collapsed = if steered && bodies.iter().any(gives_way) {
@@ -136,7 +141,9 @@ impl Run<'_> {
         } else if prescribes(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
-            fallen > 0.0
+            let part = if held { part } else { 1.0 };
+            let gives_way = |body: &Moved| body.way() > part * body.edge;
+            bodies.iter().any(gives_way)
         };
         if collapsed {
             self.summary.status = Status::Collapsed;

@@ -80,6 +80,7 @@ struct Mark {
     relaxations: Relaxations,
     damage_rate: f64,
     stopped: bool,
+    held: usize,
 }
 
 impl Mark {
@@ -237,6 +238,7 @@ impl<'m> Run<'m> {
                 relaxations: step_run.snap.relaxations,
                 damage_rate: step_run.snap.damage_rate,
                 stopped: step_run.stopped,
+                held: step_run.held,
             },
             summary: self.summary.clone(),
             clock: self.clock + step_run.newton.clock,
@@ -344,6 +346,7 @@ impl<'m> Run<'m> {
             _ => return Err(unfit("the step drives something else")),
         }
         step_run.stopped = stopped;
+        step_run.held = mark.held;
         Ok(step_run)
     }
 }

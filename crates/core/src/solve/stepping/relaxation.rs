@@ -211,6 +211,7 @@ impl Run<'_> {
             request.increment = Increment {
                 start: request.increment.end(),
                 size: 0.0,
+                holds: false,
             };
             loads = false;
             if at_rest {

@@ -330,6 +330,7 @@ impl<'m> Run<'m> {
         step_run.begin_attempts(request.method);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
+        step_run.hold_or_go_on(moves || self.state.energies.hastens(&before));
         if collapsed {
             self.report_collapse(step_run, recorder);
         }

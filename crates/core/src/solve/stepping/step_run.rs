@@ -36,6 +36,8 @@ pub(in crate::solve) struct StepRun<'m> {
     /// Watches for peaks between the increments.
     pub(in crate::solve) peak: PeakWatch,
     pub(in crate::solve) snap: SnapRun,
+    /// Number of increments for which the loads have been held, the next one included; 0 where they grow.
+    pub(in crate::solve) held: usize,
 }
 
 /// Path that a step follows where its loads are not prescribed.
@@ -164,6 +166,26 @@ impl<'m> StepRun<'m> {
                 resumes_at: None,
                 relaxes_below: f64::INFINITY,
             },
+            held: 0,
+        }
+    }
+
+    /// Holds the loads while bodies that inertia carries `move`, and lets them grow again once these are at rest
+    /// (docs/theory/inertia.md, Algorithm). A step that drives goes on, and dry bodies that a weight presses from
+    /// nothing move at any load.
+    pub(in crate::solve) fn hold_or_go_on(&mut self, moves: bool) {
+        let carried = self.fallback.method() == Method::QuasiStatic;
+        let seeks = self.step.procedure == Procedure::Auto && self.step.only_loads();
+        let holds = moves && carried && seeks && self.load > 0.0 && self.held < MOST_HELD;
+        if holds {
+            self.held += 1;
+        } else if self.held > 0 {
+            self.held = 0;
+            let size = self
+                .fallback
+                .floor()
+                .max(self.step.increments.peak * self.load);
+            self.schedule.shorten(size);
         }
     }
 
@@ -220,7 +242,8 @@ impl<'m> StepRun<'m> {
 
     /// Part of the step's drives and loads that the increment adds, where these are prescribed.
     pub(in crate::solve) fn part(&self, request: &IncrementRequest) -> f64 {
-        let (start, size) = (request.increment.start, request.increment.size);
+        let start = request.increment.start;
+        let size = request.increment.end() - start;
         match self.step.amplitude {
             None => size,
             Some(_) => self.branch.of.factor(start + size) - self.branch.of.factor(start),
@@ -312,6 +335,16 @@ impl<'m> StepRun<'m> {
         }
         let increment = self.schedule.next()?;
         let method = self.fallback.method();
+        if self.held > 0 {
+            let size = self.schedule.size();
+            let holds = true;
+            let increment = Increment {
+                size,
+                holds,
+                ..increment
+            };
+            return Some(IncrementRequest { method, increment });
+        }
         if !method.follows_path() {
             return Some(IncrementRequest { method, increment });
         }
@@ -334,12 +367,17 @@ impl<'m> StepRun<'m> {
                 increment: Increment {
                     start,
                     size: end - start,
+                    holds: false,
                 },
             });
         }
         Some(IncrementRequest {
             method,
-            increment: Increment { start, size },
+            increment: Increment {
+                start,
+                size,
+                holds: false,
+            },
         })
     }
 
@@ -352,6 +390,9 @@ impl<'m> StepRun<'m> {
         }
     }
 }
+
+/// Most increments for which loads are held.
+const MOST_HELD: usize = 400;
 
 /// Size down to which the first increment of a step is cut, as a part of its given size.
 const FIRST: f64 = 1e-3;

@@ -12,12 +12,18 @@ pub struct Increment {
     pub start: f64,
     /// Size of the increment.
     pub size: f64,
+    /// Whether only time passes, and the loads stay as they are at its start.
+    pub holds: bool,
 }
 
 impl Increment {
     /// End of the increment.
     pub fn end(&self) -> f64 {
-        self.start + self.size
+        if self.holds {
+            self.start
+        } else {
+            self.start + self.size
+        }
     }
 
     /// Whether the increment ends the step.
@@ -35,6 +41,9 @@ pub struct Schedule {
     /// Time of the next row of the amplitude, or the end of the step. An increment ends there.
     until: f64,
 }
+
+/// Largest size of an increment that holds the loads, over that of one in which they grow.
+const HELD: f64 = 4.0;
 
 /// The next increment would be smaller than allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +92,7 @@ impl Schedule {
         Some(Increment {
             start: self.done,
             size,
+            holds: false,
         })
     }
 
@@ -95,7 +105,12 @@ impl Schedule {
         } else {
             increment.size
         };
-        self.size = (base * factor).max(self.limits.min).min(self.limits.max);
+        let most = if increment.holds {
+            HELD * self.limits.max
+        } else {
+            self.limits.max
+        };
+        self.size = (base * factor).max(self.limits.min).min(most);
     }
 
     /// Size of the next increment, if that much is left of the step.

@@ -172,7 +172,7 @@
       const seen = last && wall.at(last.x, last.y);
       tip.hidden = !seen;
       if (!seen) return;
-      const parts = [seen.unit, seen.material];
+      const parts = [seen.unit, seen.material, ...seen.marks];
       if (seen.damage) {
         const { tensile, compressive, crack } = seen.damage;
         parts.push(`tensile damage ${tensile.toFixed(2)}`, `compressive ${compressive.toFixed(2)}`);

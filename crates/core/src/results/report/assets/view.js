@@ -132,7 +132,8 @@ function times(a, b) {
 /**
  * The view on a canvas; null if the browser has no WebGL 2.
  * set({ frame, magnification, colour, joints, outlines, mesh }): frame −1 is the model at rest.
- * at(x, y): unit, material and values of the element at a point of the canvas [CSS pixels]; null where there is none.
+ * at(x, y): unit, material and values of the element at a point of the canvas [CSS pixels], with the supports, drives
+ * and loads of the nearest of its nodes; null where there is none.
  */
 function makeView(canvas, data) {
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
@@ -149,6 +150,7 @@ function makeView(canvas, data) {
   const start = { yaw: -0.42, pitch: 0.2, distance: 1, pan: [0, 0] };
   const look = structuredClone(start);
   const unit = new Uint16Array(bytes(data.unit).buffer), material = bytes(data.material);
+  const marks = data.marks.map((mark) => ({ told: mark.told, nodes: new Set(numbers(mark.nodes, true)) }));
   let programs, buffers, textures, asked = 0, dead = false, shown = null;
 
   function compile(vertex, fragment) {
@@ -382,6 +384,7 @@ function makeView(canvas, data) {
       unit: data.units[unit[seen]] || `unit ${unit[seen]}`, material: data.materials[material[seen]],
       damage: frame && { tensile: field[3 * seen] / 255, compressive: field[3 * seen + 1] / 255, crack: crack * crack * data.widest },
       moved: frame && [0, 1, 2].map((i) => (moved[corner + i] * frame.most) / 32767),
+      marks: marks.filter((mark) => mark.nodes.has(corner / 3)).map((mark) => mark.told),
     };
   }
 
