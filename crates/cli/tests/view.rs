@@ -76,8 +76,8 @@ fn a_model_is_shown_at_rest_and_anew_when_its_file_changes() {
     assert!(page.starts_with("HTTP/1.1 200"), "{page}");
     assert!(page.contains("<title>Couplet in tension</title>") && page.contains("\"view\":{"));
     assert!(page.contains("no increment yet"));
-    assert!(page.contains("support foot: x, y, z held"), "{page}");
-    assert!(page.contains("; pull: "), "the step drives the top: {page}");
+    assert!(page.contains("support bottom: x, y, z held"), "{page}");
+    assert!(page.contains("z driven by 0.2500 mm"), "{page}");
     let stamp = server.stamp();
     assert!(
         page.contains(&format!("const stamp = \"{stamp}\"")),

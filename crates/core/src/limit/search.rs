@@ -17,6 +17,8 @@ const MANY: usize = 16;
 const SETTLED: f64 = 0.01;
 /// The same of states that may be the answer.
 const NEAR: f64 = 0.02;
+/// The same, and relative difference of the factors, of associated solutions without dilatancy.
+const SAME: f64 = 1e-6;
 
 /// Result of a search.
 pub struct Search {
@@ -50,7 +52,7 @@ impl Search {
         tell: &mut dyn FnMut(Progress),
     ) -> Result<Self, LimitError> {
         let mut slips = vec![FIRST * associated.fastest; associated.slips.len()];
-        let mut search = Self::associated(associated);
+        let mut search = Self::associated(associated.clone());
         let mut lowest: Option<Solution> = None;
         search.converged = false;
         while search.programs < MOST_PROGRAMS && !search.converged {
@@ -70,6 +72,12 @@ impl Search {
         }
         if let Some(lowest) = lowest {
             search.best = lowest;
+            search.converged = true;
+        }
+        // The associated mechanism may open no sliding joint at all, as where bodies only tip.
+        let level = associated.opening_work <= SAME;
+        if level && search.best.factor >= (1.0 - SAME) * associated.factor {
+            search.best = associated;
             search.converged = true;
         }
         Ok(search)

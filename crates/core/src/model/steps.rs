@@ -156,10 +156,10 @@ impl Step {
         self.motion.iter().flatten().any(driven) || springs.any(|by| *by != 0.0)
     }
 
-    /// Whether the step changes weights or loads, and drives nothing.
+    /// Whether the step changes loads or the direction of gravity, and drives nothing.
     pub fn only_loads(&self) -> bool {
-        let grows = matches!(self.gravity, Gravity::Growing(_) | Gravity::Turning { .. });
-        let loads = grows || self.loads.iter().any(Option::is_some);
+        let turns = matches!(self.gravity, Gravity::Turning { .. });
+        let loads = turns || self.loads.iter().any(Option::is_some);
         loads && !self.drives() && self.control.is_none()
     }
 

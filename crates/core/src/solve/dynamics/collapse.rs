@@ -4,8 +4,9 @@
 //! Displacements are measured from the last equilibrium. A body falls if its mean displacement since then exceeds its
 //! smallest edge (of the box around it at rest) plus the largest displacement of a drive meanwhile, and if the
 //! kinetic energy still exceeds [`QUIET`] times the energy that solids and joints have taken. A step that only loads
-//! then ends: it seeks an equilibrium, and there is none. At held loads it ends earlier: when a body has moved by
-//! [`AT_END`] of its edge, and the kinetic energy grows and exceeds [`ACCELERATES`] times the elastic one. So does a step whose load a displacement steers if this load
+//! then ends: it seeks an equilibrium, and there is none. At held loads it ends earlier: when
+//! [`SEVERAL`] bodies have moved by [`AT_END`] of their edges, and the kinetic energy grows and exceeds [`ACCELERATES`]
+//! times the elastic one. So does a step whose load a displacement steers if this load
 //! acts on a body that falls, or that has moved by [`AT_END`] of its edge while the kinetic energy grows and exceeds
 //! the elastic energy: the body no longer resists the load. Otherwise a step that drives or steers continues
 //! until falling bodies have more than half of the mass of all bodies without support, because stones may fall off a
@@ -34,6 +35,8 @@ const MOST: f64 = 0.5;
 const AT_END: f64 = 0.1;
 /// Kinetic energy over the elastic one from which bodies fall that accelerate at held loads.
 const ACCELERATES: f64 = 0.2;
+/// Number of bodies that are a mechanism then. Single ones may land again.
+const SEVERAL: usize = 5;
 /// Part of the largest displacement from which further bodies are named.
 const NAMED: f64 = 0.5;
 
@@ -141,9 +144,9 @@ impl Run<'_> {
         } else if prescribes(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
-            let part = if held { part } else { 1.0 };
-            let gives_way = |body: &Moved| body.way() > part * body.edge;
-            bodies.iter().any(gives_way)
+            let gives_way = |body: &&Moved| body.way() > part * body.edge;
+            let mechanism = held && flies && bodies.iter().filter(gives_way).count() >= SEVERAL;
+            fallen > 0.0 || mechanism
         };
         if collapsed {
             self.summary.status = Status::Collapsed;

@@ -171,12 +171,12 @@ impl<'m> StepRun<'m> {
     }
 
     /// Holds the loads while bodies that inertia carries `move`, and lets them grow again once these are at rest
-    /// (docs/theory/inertia.md, Algorithm). A step that drives goes on, and dry bodies that a weight presses from
-    /// nothing move at any load.
+    /// (docs/theory/inertia.md, Algorithm). A step that drives goes on, and so does a weight that grows from nothing: dry
+    /// bodies that nothing presses move at any load.
     pub(in crate::solve) fn hold_or_go_on(&mut self, moves: bool) {
         let carried = self.fallback.method() == Method::QuasiStatic;
         let seeks = self.step.procedure == Procedure::Auto && self.step.only_loads();
-        let holds = moves && carried && seeks && self.load > 0.0 && self.held < MOST_HELD;
+        let holds = moves && carried && seeks && self.held < MOST_HELD;
         if holds {
             self.held += 1;
         } else if self.held > 0 {
