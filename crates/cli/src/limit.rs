@@ -69,7 +69,7 @@ fn analysed(model: Model, settings: &LimitSettings) -> Result<FoundLimit, Failur
                  such programs: --associated ends here"
             ),
             programs => {
-                tell!("program {programs} of at most {MOST_PROGRAMS}: {limit}, after {seconds} s")
+                tell!("program {programs} of at most {MOST_PROGRAMS}: {limit}, after {seconds} s");
             }
         }
     };
