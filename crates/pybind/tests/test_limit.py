@@ -53,6 +53,8 @@ def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
     assert found.associated_factor == pytest.approx(0.25, rel=1e-6)
     assert found.force is None and "body force" in found.live_load
     assert found.converged and found.programs >= 2 and found.gap < 1e-6
+    # It tips: no joint opens as it slides, up to the bound of the search.
+    assert 0.0 <= found.opening_work <= 0.02
     top = next(unit for unit in found.mechanism if unit["name"] == "top")
     assert top["spin"][1] > 0.0
     [joint] = found.joints
