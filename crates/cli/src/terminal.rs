@@ -3,6 +3,7 @@
 
 mod pace;
 mod sparkline;
+mod waiting;
 
 use std::io::{IsTerminal, Write};
 use std::time::Instant;
@@ -19,6 +20,7 @@ use crate::say::tell;
 use crate::unicode;
 use pace::Pace;
 pub use pace::seconds;
+use waiting::Waiting;
 
 /// Ticks of the bar over the whole run.
 const TICKS: f64 = 1e4;
@@ -44,6 +46,7 @@ pub struct Terminal {
     /// Procedure of the last increment.
     procedure: &'static str,
     pace: Pace,
+    waiting: Waiting,
     unicode: bool,
 }
 
@@ -100,6 +103,7 @@ impl Terminal {
             voice: Voice::new(how, quiet, unicode),
             started: Instant::now(),
             duration: model.steps.iter().map(|step| step.duration).sum(),
+            waiting: Waiting::of(model),
             steps: model.steps.iter().map(|step| step.name.clone()).collect(),
             last: String::new(),
             forces: Vec::new(),
@@ -155,11 +159,12 @@ impl Terminal {
         self.procedure = row.procedure.name();
         self.forces.push(row.force_kN);
         let elapsed = self.started.elapsed().as_secs_f64();
-        self.pace.mark(row.step, elapsed, row.time);
+        let time = row.time - self.waiting.until(row);
+        self.pace.mark(row.step, elapsed, time);
         let left = self.pace.left(self.duration);
         let eta = left.map_or_else(String::new, |left| format!(", ETA {}", seconds(left)));
         self.last = format!("{} [{}{eta}]", self.line(row), seconds(elapsed));
-        let done = (row.time / self.duration).clamp(0.0, 1.0);
+        let done = (time / self.duration).clamp(0.0, 1.0);
         match &self.voice {
             Voice::Bar(bar) => {
                 bar.set_position((TICKS * done) as u64);

@@ -65,6 +65,7 @@ fn a_search_tells_its_progress() {
     assert_eq!(numbers, expected);
     // The same program.
     assert!((told[0].factor - found.associated_factor).abs() < 1e-6);
+    assert!(told.iter().any(|told| told.factor == found.factor));
     // One body slides at any program by its friction, to the tolerance of the programs.
     near(told.last().unwrap().factor, found.factor, 1e-6);
 }

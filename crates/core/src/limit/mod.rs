@@ -159,7 +159,7 @@ pub fn analyse_told(
         live,
         step,
         live_load: live.told(&live_step.name),
-        force: (live == Live::Drive).then_some(1e-3 * best.factor),
+        force: scene.force(best.factor),
         gap: best.gap,
         associated_factor,
         programs: search.programs,

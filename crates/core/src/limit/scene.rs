@@ -66,8 +66,13 @@ impl<'a> RigidScene<'a> {
         Progress {
             programs,
             factor,
-            force: self.drives.then_some(1e-3 * factor),
+            force: self.force(factor),
         }
+    }
+
+    /// Force along the drive [kN] for a factor; none if the live load is none.
+    pub fn force(&self, factor: f64) -> Option<f64> {
+        self.drives.then_some(1e-3 * factor)
     }
 
     /// Largest factor if the corners may slip by given velocities without opening ([`Program::slips`]).

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::packed;
+use crate::model::axis::Axis;
 use crate::model::loads::LoadOn;
 use crate::model::scene::{BeamMotion, HeldBy, Model, Step};
 use crate::results::curve::brief;
@@ -26,7 +27,7 @@ pub(super) struct EncodedMark {
     nodes: String,
 }
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+const AXES: [&str; 3] = Axis::NAMES;
 
 impl Mark {
     /// Supports, planes of symmetry, faces that move as one, springs, loads and ties of a model.
@@ -51,7 +52,9 @@ impl Mark {
         let places: HashMap<u32, u32> = places.map(|(node, place)| (*node, place)).collect();
         let encoded = marks.iter().filter_map(|mark| {
             let nodes = mark.nodes.iter().filter_map(|n| places.get(n).copied());
-            let nodes: Vec<u32> = nodes.collect();
+            let mut nodes: Vec<u32> = nodes.collect();
+            nodes.sort_unstable();
+            nodes.dedup();
             (!nodes.is_empty()).then(|| EncodedMark {
                 told: mark.told.clone(),
                 nodes: packed::longs(nodes),
@@ -169,11 +172,11 @@ mod tests {
             told: told.to_owned(),
             nodes: nodes.to_vec(),
         };
-        let encoded = Mark::encoded(&[mark("foot", &[7, 9]), mark("inside", &[8])], &[9, 7]);
+        let encoded = Mark::encoded(&[mark("foot", &[7, 9, 7]), mark("inside", &[8])], &[9, 7]);
         let [foot] = &encoded[..] else {
             panic!("{encoded:?}")
         };
         assert_eq!(foot.told, "foot");
-        assert_eq!(foot.nodes, packed::longs([1, 0]));
+        assert_eq!(foot.nodes, packed::longs([0, 1]));
     }
 }

@@ -144,8 +144,8 @@ impl Run<'_> {
         } else if prescribes(step_run.step) {
             fallen > MOST * mass(&|body| !body.held)
         } else {
-            let gives_way = |body: &&Moved| body.way() > part * body.edge;
-            let mechanism = held && flies && bodies.iter().filter(gives_way).count() >= SEVERAL;
+            let moved = bodies.iter().filter(|body| body.way() > AT_END * body.edge);
+            let mechanism = held && flies && moved.count() >= SEVERAL;
             fallen > 0.0 || mechanism
         };
         if collapsed {

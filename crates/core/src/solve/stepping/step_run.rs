@@ -184,7 +184,7 @@ impl<'m> StepRun<'m> {
             let size = self
                 .fallback
                 .floor()
-                .max(self.step.increments.peak * self.load);
+                .max(self.step.increments.peak * self.load.abs());
             self.schedule.shorten(size);
         }
     }

@@ -184,6 +184,28 @@ mod tests {
     }
 
     #[test]
+    fn an_increment_that_holds_the_loads_takes_no_part_of_the_step() {
+        let limits = Increments {
+            initial: 0.1,
+            max: 0.1,
+            min: 1e-6,
+            peak: 1.0,
+        };
+        let mut schedule = Schedule::new(limits, 1.0);
+        for _ in 0..10 {
+            let holds = Increment {
+                size: schedule.size(),
+                holds: true,
+                ..schedule.next().unwrap()
+            };
+            schedule.accept(holds, 1.5);
+        }
+        assert_eq!((schedule.done(), schedule.size()), (0.0, HELD * limits.max));
+        schedule.shorten(limits.max);
+        assert_eq!(schedule.next().unwrap().end(), limits.max);
+    }
+
+    #[test]
     fn increments_end_on_the_rows_of_an_amplitude() {
         let limits = Increments {
             initial: 0.03,
