@@ -5,7 +5,7 @@ use clarabel::solver::SupportedConeT::{self, NonnegativeConeT, SecondOrderConeT,
 
 use super::bodies::Wrench;
 use super::program::{Corner, Program};
-use super::unknowns::{Orbit, members};
+use super::unknowns::Orbit;
 
 /// Matrix entries as they are found.
 #[derive(Default)]
@@ -122,12 +122,14 @@ impl Program<'_> {
         }
     }
 
-    /// Eq. 1.
+    /// Eq. 1. Equations of a body that stands for its image, too, are those of both, so that their multipliers are its
+    /// velocities.
     fn add_equilibrium(&self, scale: f64, first: &[usize], bounds: &mut Bounds) {
         let Bounds { entries, right, .. } = bounds;
-        let motions = &self.unknowns.motions;
+        let unknowns = self.unknowns;
         let mut act = |body: usize, column: usize, part: f64, wrench: &Wrench| {
-            for (m, motion) in motions[body].iter().enumerate() {
+            let part = part * unknowns.stands_for(body);
+            for (m, motion) in unknowns.motions[body].iter().enumerate() {
                 entries.add(first[body] + m, column, part * motion.power(wrench));
             }
         };
@@ -135,31 +137,38 @@ impl Program<'_> {
         for (b, wrench) in self.loads[1].iter().enumerate() {
             act(b, 0, live, wrench);
         }
-        let width = self.unknowns.width();
-        for (o, orbit) in self.unknowns.corners.iter().enumerate() {
-            let corner = &self.corners[orbit.0];
-            let joint = &self.joints[corner.joint];
-            let directions = self.unknowns.directions(joint);
-            for (i, along) in directions.into_iter().take(width).enumerate() {
-                for (body, sign) in joint.bodies.into_iter().zip([1.0, -1.0]) {
-                    let arm = corner.at - self.bodies.all[body].centre;
-                    let wrench = Wrench::at(arm, sign * along);
-                    act(body, 1 + width * o + i, members(orbit), &wrench);
+        for (column, orbit) in unknowns.orbits() {
+            let directions = unknowns.directions(orbit, &self.joints[self.corners[orbit.corner].joint]);
+            for (i, along) in directions.into_iter().take(orbit.width).enumerate() {
+                for member in orbit.members() {
+                    let corner = &self.corners[member];
+                    let force = unknowns.at_member(orbit, member, self.corners, along);
+                    let joint = &self.joints[corner.joint];
+                    for (body, sign) in joint.bodies.into_iter().zip([1.0, -1.0]) {
+                        let arm = corner.at - self.bodies.all[body].centre;
+                        act(body, column + i, 1.0, &Wrench::at(arm, sign * force));
+                    }
                 }
             }
         }
-        let rods = self.unknowns.rods.iter();
-        let rods = rods.map(|orbit| (members(orbit), &self.rods[orbit.0].ends[..]));
-        let single = self.unknowns.reactions.iter();
-        let single = single.map(|reaction| (1.0, &reaction[..]));
-        for (column, (part, wrenches)) in (self.unknowns.first_rod()..).zip(rods.chain(single)) {
-            for (body, wrench) in wrenches {
-                act(*body, column, part, wrench);
+        let columns = unknowns.first_rod()..;
+        for (column, (r, image)) in columns.zip(&unknowns.rods) {
+            for rod in [Some(*r), *image].into_iter().flatten() {
+                for (body, wrench) in &self.rods[rod].ends {
+                    act(*body, column, 1.0, wrench);
+                }
             }
         }
-        for (b, motions) in motions.iter().enumerate() {
+        let columns = unknowns.first_rod() + unknowns.rods.len()..;
+        for (column, reaction) in columns.zip(&unknowns.reactions) {
+            for (body, wrench) in reaction {
+                act(*body, column, 1.0, wrench);
+            }
+        }
+        for (b, motions) in unknowns.motions.iter().enumerate() {
+            let part = unknowns.stands_for(b) / scale;
             for (m, motion) in motions.iter().enumerate() {
-                right[first[b] + m] = -motion.power(&self.loads[0][b]) / scale;
+                right[first[b] + m] = -part * motion.power(&self.loads[0][b]);
             }
         }
     }
@@ -180,71 +189,72 @@ impl Program<'_> {
         bounds.close(before);
     }
 
-    /// Eq. 2. In a plane it is linear.
+    /// Eq. 2. In a plane it is linear; where there is no shear force, a bound of the normal force.
     fn add_friction(&self, scale: f64, bounds: &mut Bounds) {
-        let width = self.unknowns.width();
-        let corners = self.unknowns.corners.iter().enumerate();
-        let corners = corners.map(|(o, (v, _))| (1 + width * o, &self.corners[*v]));
+        let corners = self.unknowns.orbits();
+        let corners = corners.map(|(column, orbit)| (column, orbit, &self.corners[orbit.corner]));
         // The bound of the shear forces gives μ n + c ≥ 0.
         let follows = |corner: &Corner| {
             corner.friction > 0.0 && corner.friction * corner.tension >= corner.cohesion
         };
-        if width == 3 {
-            for (column, corner) in corners.clone() {
-                bounds.below(&[(column, -corner.friction)], corner.cohesion / scale);
-                bounds.below(&[(column + 1, -1.0)], 0.0);
-                bounds.below(&[(column + 2, -1.0)], 0.0);
-                bounds.cones.push(SecondOrderConeT(3));
-            }
+        for (column, _, corner) in corners.clone().filter(|(_, orbit, _)| orbit.width == 3) {
+            bounds.below(&[(column, -corner.friction)], corner.cohesion / scale);
+            bounds.below(&[(column + 1, -1.0)], 0.0);
+            bounds.below(&[(column + 2, -1.0)], 0.0);
+            bounds.cones.push(SecondOrderConeT(3));
         }
         let before = bounds.right.len();
-        for (column, corner) in corners {
-            if width == 2 {
-                for side in [1.0, -1.0] {
-                    let terms = [(column, -corner.friction), (column + 1, side)];
-                    bounds.below(&terms, corner.cohesion / scale);
+        for (column, orbit, corner) in corners {
+            let sides: &[f64] = match orbit.width {
+                1 if follows(corner) => &[0.0],
+                2 => &[1.0, -1.0],
+                _ => &[],
+            };
+            for side in sides {
+                let mut terms = vec![(column, -corner.friction)];
+                if orbit.width == 2 {
+                    terms.push((column + 1, *side));
                 }
+                bounds.below(&terms, corner.cohesion / scale);
             }
-            if follows(corner) {
-                continue;
+            if !follows(corner) {
+                bounds.below(&[(column, -1.0)], corner.tension / scale);
             }
-            bounds.below(&[(column, -1.0)], corner.tension / scale);
         }
         bounds.close(before);
     }
 
-    /// Eq. 3. In a plane that for edges across it follows from those of the other two.
+    /// Eq. 3 at each joint, of two images at one. In a plane that for edges across it follows from those of the other
+    /// two.
     fn add_crushing(&self, scale: f64, bounds: &mut Bounds) {
         let Some(strength) = self.strength else {
             return;
         };
         let mut first = 0;
-        let mut orbits = self.unknowns.corners.iter().enumerate().peekable();
+        let mut orbits = self.unknowns.orbits().peekable();
         for joint in self.joints {
             let own = first..first + joint.corners.len();
             first = own.end;
             let mut of_joint = Vec::with_capacity(own.len());
-            while let Some(orbit) = orbits.next_if(|(_, (v, _))| own.contains(v)) {
+            while let Some(orbit) = orbits.next_if(|(_, orbit)| own.contains(&orbit.corner)) {
                 of_joint.push(orbit);
             }
-            if of_joint.is_empty() {
+            let Some((_, Orbit { width, .. })) = of_joint.first() else {
                 continue;
-            }
+            };
+            let axis = self.unknowns.mirror.as_ref().map(|mirror| mirror.axis);
+            let axis = axis.filter(|_| *width == 2);
             let tension = joint.strength.tension * joint.area / scale;
             let most = strength * joint.area / scale + tension;
             for edge in joint.edges() {
-                if self
-                    .unknowns
-                    .axis
-                    .is_some_and(|axis| edge[axis].abs() > 0.5)
-                {
+                if axis.is_some_and(|axis| edge[axis].abs() > 0.5) {
                     continue;
                 }
                 let arms = joint.arms(&edge);
-                let arm = |v: &usize| arms[v - own.start];
-                let term = |(o, orbit): &(usize, &Orbit)| {
-                    let both = arm(&orbit.0) + orbit.1.as_ref().map_or(0.0, arm);
-                    (1 + self.unknowns.width() * o, members(orbit), both)
+                let term = |(column, orbit): &(usize, &Orbit)| {
+                    let members = orbit.members().filter(|v| own.contains(v));
+                    let members: Vec<f64> = members.map(|v| arms[v - own.start]).collect();
+                    (*column, members.len() as f64, members.iter().sum())
                 };
                 let terms: Vec<_> = of_joint.iter().map(term).collect();
                 bounds.crush([most, tension], &terms);

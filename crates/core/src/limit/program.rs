@@ -11,7 +11,7 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 use nalgebra::Vector3;
 
 use super::LimitError;
-use super::bodies::{Bodies, RigidBody, Wrench};
+use super::bodies::{Bodies, Motion, RigidBody, Wrench};
 use super::interior::{self, Answer, End};
 use super::joints::Joint;
 use super::matrix::Matrix;
@@ -196,16 +196,15 @@ impl Program<'_> {
     fn cost(&self, program: &Matrix) -> Vec<f64> {
         let mut cost = vec![0.0; program.entries.n];
         cost[0] = -1.0;
-        for (o, slip) in self.slips.iter().enumerate() {
-            let friction = self.corners[self.unknowns.corners[o].0].friction;
-            cost[1 + self.unknowns.width() * o] = friction * slip;
+        for ((column, orbit), slip) in self.unknowns.orbits().zip(self.slips) {
+            cost[column] = self.corners[orbit.corner].friction * slip;
         }
         cost
     }
 
     /// Opening and slip of each orbit of corners by the multipliers of the equations.
     fn corner_velocities(&self, program: &Matrix, multipliers: &[f64]) -> Vec<[f64; 2]> {
-        let (width, equations) = (self.unknowns.width(), program.equations());
+        let equations = program.equations();
         let entries = &program.entries;
         let velocity = |column: usize| {
             let own = entries.colptr[column]..entries.colptr[column + 1];
@@ -214,19 +213,20 @@ impl Program<'_> {
                 .sum::<f64>()
         };
         let orbits = (0..self.unknowns.corners.len()).map(|o| {
-            let first = 1 + width * o;
-            let slip = (1..width).map(|i| velocity(first + i).powi(2));
-            [velocity(first), slip.sum::<f64>().sqrt()]
+            let mut own = self.unknowns.columns_of(o).map(velocity);
+            let opening = own.next().unwrap_or(0.0);
+            [opening, own.map(|v| v.powi(2)).sum::<f64>().sqrt()]
         });
         orbits.collect()
     }
 
     /// Σ μ n |v − s| over the corners with slips v and allowed slips s, in the units of the program.
     fn opening_work(&self, x: &[f64], moved: &[[f64; 2]]) -> f64 {
-        let work = moved.iter().enumerate().map(|(o, [_, slip])| {
-            let allowed = self.slips.get(o).copied().unwrap_or(0.0);
-            let friction = self.corners[self.unknowns.corners[o].0].friction;
-            (friction * x[1 + self.unknowns.width() * o] * (slip - allowed)).abs()
+        let allowed = self.slips.iter().copied().chain(std::iter::repeat(0.0));
+        let orbits = self.unknowns.orbits().zip(moved).zip(allowed);
+        let work = orbits.map(|(((column, orbit), [_, slip]), allowed)| {
+            let friction = self.corners[orbit.corner].friction;
+            (friction * x[column] * (slip - allowed)).abs()
         });
         work.sum()
     }
@@ -253,21 +253,19 @@ impl Program<'_> {
 
     /// Forces at all corners from the unknowns.
     fn forces(&self, x: &[f64], scale: f64) -> Vec<[f64; 3]> {
-        let width = self.unknowns.width();
         let mut forces = vec![[0.0; 3]; self.corners.len()];
-        for (o, (v, image)) in self.unknowns.corners.iter().enumerate() {
-            let joint = &self.joints[self.corners[*v].joint];
-            let directions = self.unknowns.directions(joint);
-            let own = &x[1 + width * o..][..width];
-            let shear: Vector3<f64> = directions[1..]
-                .iter()
-                .zip(&own[1..])
-                .map(|(d, t)| d * *t)
-                .sum();
-            let [_, first, second] = joint.frame;
-            let force = [own[0], shear.dot(&first), shear.dot(&second)].map(|f| scale * f);
-            for corner in [Some(*v), *image].into_iter().flatten() {
-                forces[corner] = force;
+        for (column, orbit) in self.unknowns.orbits() {
+            let joint = &self.joints[self.corners[orbit.corner].joint];
+            let directions = self.unknowns.directions(orbit, joint);
+            let own = &x[column..][..orbit.width];
+            let parts = directions.iter().zip(own);
+            let force: Vector3<f64> = parts.map(|(along, part)| along * (scale * part)).sum();
+            for member in orbit.members() {
+                let force = self
+                    .unknowns
+                    .at_member(orbit, member, self.corners, force);
+                let [normal, first, second] = self.joints[self.corners[member].joint].frame;
+                forces[member] = [-normal, first, second].map(|along| force.dot(&along));
             }
         }
         forces
@@ -312,9 +310,12 @@ impl Program<'_> {
 
     /// Factor of the live loads for the unknown λ of 1: that which makes them as large as the dead ones.
     pub(super) fn live_scale(&self, scale: f64) -> f64 {
-        let powers = self.unknowns.motions.iter().zip(self.loads[1]);
-        let powers = powers
-            .flat_map(|(motions, wrench)| motions.iter().map(|motion| motion.power(wrench).abs()));
+        let powers = self.unknowns.motions.iter().zip(self.loads[1]).enumerate();
+        let powers = powers.flat_map(|(b, (motions, wrench))| {
+            let part = self.unknowns.stands_for(b);
+            let power = move |motion: &Motion| part * motion.power(wrench).abs();
+            motions.iter().map(power)
+        });
         let sum = powers.sum::<f64>();
         if sum > 0.0 { scale / sum } else { 1.0 }
     }
@@ -324,7 +325,7 @@ impl Program<'_> {
         let first = self.unknowns.first_rows();
         let bodies = self.unknowns.motions.iter().enumerate();
         let moved = bodies.map(|(b, motions)| {
-            let mut moved = [Vector3::zeros(); 2];
+            let mut moved = [Vector3::<f64>::zeros(); 2];
             for (m, motion) in motions.iter().enumerate() {
                 let rate = scale * multipliers[first[b] + m];
                 moved[0] += rate * motion.velocity;
@@ -332,7 +333,15 @@ impl Program<'_> {
             }
             moved
         });
-        moved.collect()
+        let mut moved: Vec<_> = moved.collect();
+        if let Some(mirror) = &self.unknowns.mirror {
+            for b in 0..moved.len() {
+                if mirror.stands_for(b) == 0 {
+                    moved[b] = mirror.mirrored(moved[mirror.image_of(b)]);
+                }
+            }
+        }
+        moved
     }
 
     /// Body that moves fastest.

@@ -7,29 +7,42 @@ use super::actions::Actions;
 use super::bodies::{Bodies, Motion, Wrench};
 use super::joints::Joint;
 use super::mirror::Mirror;
+use super::program::Corner;
 use super::rods::Rod;
 
-/// A corner or rod and its mirror image; none if it is its own one, or without a mirror.
-pub type Orbit = (usize, Option<usize>);
+/// Corners with one force.
+#[derive(Clone, Copy, Debug)]
+pub struct Orbit {
+    /// A corner.
+    pub corner: usize,
+    /// Its mirror image; none if it is its own one, or without a mirror.
+    pub image: Option<usize>,
+    /// Number of force components: the normal force, and shear in the plane, or in all directions.
+    pub width: usize,
+}
 
-/// Number of members of an orbit.
-pub fn members(orbit: &Orbit) -> f64 {
-    if orbit.1.is_some() { 2.0 } else { 1.0 }
+impl Orbit {
+    /// The corner and its image.
+    pub fn members(&self) -> impl Iterator<Item = usize> {
+        [Some(self.corner), self.image].into_iter().flatten()
+    }
 }
 
 /// Unknowns of a program.
 #[derive(Clone, Debug)]
 pub struct Unknowns {
-    /// Independent motions of each body. `[body]`
+    /// Independent motions of each body; none of the second body of a pair of images. `[body]`
     pub motions: Vec<Vec<Motion>>,
     /// Reactions of supports that leave some motions, and of springs: wrenches on bodies for a force of 1.
     pub reactions: Vec<Vec<(usize, Wrench)>>,
     /// Corners with one force each, those between bodies that are held left out.
     pub corners: Vec<Orbit>,
-    /// Rods with one force each.
-    pub rods: Vec<Orbit>,
-    /// Axis of the normal of the mirror plane; shear forces along it are zero.
-    pub axis: Option<usize>,
+    /// First column of each orbit of corners, and the one after the last. `[orbit + 1]`
+    starts: Vec<usize>,
+    /// Rods with one force each, and their images.
+    pub rods: Vec<(usize, Option<usize>)>,
+    /// The mirror plane.
+    pub mirror: Option<Mirror>,
 }
 
 impl Unknowns {
@@ -41,21 +54,25 @@ impl Unknowns {
             let own = first..first + joint.corners.len();
             first = own.end;
             if bodies.can_move(joint) {
-                corners.extend(own.map(|v| (v, None)));
+                corners.extend(own.map(|corner| Orbit {
+                    corner,
+                    image: None,
+                    width: 3,
+                }));
             }
         }
         Self {
             motions: bodies.all.iter().map(|b| b.motions.clone()).collect(),
             reactions: bodies.reactions.clone(),
+            starts: starts(&corners),
             corners,
             rods: (0..rods.len()).map(|r| (r, None)).collect(),
-            axis: None,
+            mirror: None,
         }
     }
 
-    /// Unknowns of symmetric states, if the scene is a mirror image of itself in which each body is its own image: by
-    /// convexity the largest factor has a symmetric state and a symmetric mechanism. `crushed`: joints have a
-    /// compressive strength.
+    /// Unknowns of symmetric states, if the scene is a mirror image of itself: by convexity the largest factor has a
+    /// symmetric state and a symmetric mechanism. `crushed`: joints have a compressive strength.
     pub fn symmetric(
         bodies: &Bodies,
         joints: &[Joint],
@@ -67,32 +84,61 @@ impl Unknowns {
         [1, 0, 2].into_iter().find_map(|axis| {
             let mirror = Mirror::of(axis, bodies, joints)?;
             mirror.keeps_loads(bodies, actions).then_some(())?;
+            let corners = mirror.corners(bodies, joints, crushed)?;
             Some(Self {
                 motions: mirror.motions(bodies)?,
                 reactions: mirror.reactions(bodies)?,
-                corners: mirror.corners(bodies, joints, crushed)?,
+                starts: starts(&corners),
+                corners,
                 rods: mirror.rods(bodies, rods)?,
-                axis: Some(axis),
+                mirror: Some(mirror),
             })
         })
     }
 
-    /// Number of force components at a corner.
-    pub fn width(&self) -> usize {
-        if self.axis.is_some() { 2 } else { 3 }
+    /// Columns of an orbit of corners.
+    pub fn columns_of(&self, orbit: usize) -> std::ops::Range<usize> {
+        self.starts[orbit]..self.starts[orbit + 1]
     }
 
-    /// Directions of the force components on the first body of a joint: the normal force, which pushes it back, and
-    /// the shear forces. Only the first [`Unknowns::width`] count.
-    pub fn directions(&self, joint: &Joint) -> [Vector3<f64>; 3] {
+    /// Orbits of corners with their first columns.
+    pub fn orbits(&self) -> impl Iterator<Item = (usize, &Orbit)> + Clone {
+        self.starts.iter().copied().zip(&self.corners)
+    }
+
+    /// Number of bodies that a body stands for: itself, and its image if that is another one.
+    pub fn stands_for(&self, body: usize) -> f64 {
+        let count = |mirror: &Mirror| f64::from(mirror.stands_for(body));
+        self.mirror.as_ref().map_or(1.0, count)
+    }
+
+    /// Directions of the force components of an orbit on the first body of the joint of its corner: the normal force,
+    /// which pushes it back, and the shear forces. Only as many as the orbit is wide count.
+    pub fn directions(&self, orbit: &Orbit, joint: &Joint) -> [Vector3<f64>; 3] {
         let [normal, first, second] = joint.frame;
-        match self.axis {
-            Some(axis) => {
+        match &self.mirror {
+            Some(mirror) if orbit.width < 3 => {
                 let mut across = Vector3::zeros();
-                across[axis] = 1.0;
+                across[mirror.axis] = 1.0;
                 [-normal, across.cross(&normal), across]
             }
-            None => [-normal, first, second],
+            _ => [-normal, first, second],
+        }
+    }
+
+    /// A force at the corner of an orbit on the first body of its joint, and the same at one of the members.
+    pub fn at_member(
+        &self,
+        orbit: &Orbit,
+        member: usize,
+        corners: &[Corner],
+        force: Vector3<f64>,
+    ) -> Vector3<f64> {
+        match &self.mirror {
+            Some(mirror) if member != orbit.corner => {
+                mirror.reflected(corners[orbit.corner].joint, force)
+            }
+            _ => force,
         }
     }
 
@@ -110,11 +156,22 @@ impl Unknowns {
 
     /// Column of the first rod: after λ and the corners. Those of reactions follow.
     pub fn first_rod(&self) -> usize {
-        1 + self.width() * self.corners.len()
+        self.starts[self.corners.len()]
     }
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.first_rod() + self.rods.len() + self.reactions.len()
     }
+}
+
+/// First column of each orbit, after that of λ, and the one after the last.
+fn starts(corners: &[Orbit]) -> Vec<usize> {
+    let mut starts = vec![1];
+    let mut next = 1;
+    for orbit in corners {
+        next += orbit.width;
+        starts.push(next);
+    }
+    starts
 }
