@@ -103,7 +103,11 @@ fn images_agree(model: &Model, settings: LimitSettings, axis: usize) {
     let close = |a: [f64; 3], b: [f64; 3], size: f64| (0..3).all(|i| (a[i] - b[i]).abs() <= size);
     let most = half.joints.iter().flat_map(|joint| joint.force);
     let most = most.fold(0.0, |most: f64, f| most.max(f.abs()));
-    for joint in half.joints.iter().filter(|joint| joint.normal > 1e-6 * most) {
+    for joint in half
+        .joints
+        .iter()
+        .filter(|joint| joint.normal > 1e-6 * most)
+    {
         // Rounding of sums; the force acts on the image of the first body, which may be the second one.
         let (at, force) = (image(joint.at_mm), flipped(joint.force));
         let found = half.joints.iter().any(|other| {
@@ -115,10 +119,9 @@ fn images_agree(model: &Model, settings: LimitSettings, axis: usize) {
     }
     for unit in &half.mechanism {
         let (centre, velocity) = (image(unit.centre_mm), flipped(unit.velocity));
-        let found = half
-            .mechanism
-            .iter()
-            .any(|other| close(other.centre_mm, centre, 1e-6) && close(other.velocity, velocity, 1e-9));
+        let found = half.mechanism.iter().any(|other| {
+            close(other.centre_mm, centre, 1e-6) && close(other.velocity, velocity, 1e-9)
+        });
         assert!(found, "{unit:?}");
     }
 }

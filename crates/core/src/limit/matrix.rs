@@ -138,7 +138,8 @@ impl Program<'_> {
             act(b, 0, live, wrench);
         }
         for (column, orbit) in unknowns.orbits() {
-            let directions = unknowns.directions(orbit, &self.joints[self.corners[orbit.corner].joint]);
+            let directions =
+                unknowns.directions(orbit, &self.joints[self.corners[orbit.corner].joint]);
             for (i, along) in directions.into_iter().take(orbit.width).enumerate() {
                 for member in orbit.members() {
                     let corner = &self.corners[member];

@@ -129,7 +129,13 @@ impl Mirror {
             let counts = [body.motions.len(), other.motions.len()];
             let alike = counts == [0, 0] || (counts == [6, 6] && apart <= self.near);
             let first = b < self.images[b];
-            alike.then(|| if first { body.motions.clone() } else { Vec::new() })
+            alike.then(|| {
+                if first {
+                    body.motions.clone()
+                } else {
+                    Vec::new()
+                }
+            })
         };
         all.map(of_body).collect()
     }

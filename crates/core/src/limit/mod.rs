@@ -166,7 +166,11 @@ pub fn analyse_told(
         converged: search.converged,
         opening_work: best.opening_work,
         sizes: scene.sizes(),
-        mirror: scene.unknowns.mirror.as_ref().map(|mirror| ["x", "y", "z"][mirror.axis]),
+        mirror: scene
+            .unknowns
+            .mirror
+            .as_ref()
+            .map(|mirror| ["x", "y", "z"][mirror.axis]),
         mechanism: scene.mechanism(best),
         joints: scene.joint_forces(best),
         ties: scene.tie_forces(best),

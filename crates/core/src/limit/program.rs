@@ -261,9 +261,7 @@ impl Program<'_> {
             let parts = directions.iter().zip(own);
             let force: Vector3<f64> = parts.map(|(along, part)| along * (scale * part)).sum();
             for member in orbit.members() {
-                let force = self
-                    .unknowns
-                    .at_member(orbit, member, self.corners, force);
+                let force = self.unknowns.at_member(orbit, member, self.corners, force);
                 let [normal, first, second] = self.joints[self.corners[member].joint].frame;
                 forces[member] = [-normal, first, second].map(|along| force.dot(&along));
             }

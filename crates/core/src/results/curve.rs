@@ -111,8 +111,8 @@ impl Curve {
         self.points.last().map(|p| p.0)
     }
 
-    /// Increments whose force may be a peak: those in equilibrium.
-    pub(super) fn candidates(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
+    /// Increments in equilibrium, whose force inertia does not carry, with their indices.
+    pub fn in_equilibrium(&self) -> impl Iterator<Item = (usize, &(f64, f64))> {
         let points = self.points.iter().enumerate();
         points.filter(|(index, _)| !self.moving[*index])
     }
@@ -127,7 +127,7 @@ impl Curve {
     /// `auto` follows the inertial motion between two equilibria do not count.
     pub fn peak(&self) -> Option<Peak> {
         let mut best: Option<(f64, Peak)> = None;
-        for (index, &(displacement, force)) in self.candidates() {
+        for (index, &(displacement, force)) in self.in_equilibrium() {
             let travel = displacement - self.start.0;
             let along = travel.signum() * force;
             if travel != 0.0 && best.is_none_or(|(most, _)| along > most) {
@@ -169,7 +169,7 @@ impl Curve {
         let peak = self.peak()?;
         let side = (peak.displacement - self.start.0).signum();
         let there = self
-            .candidates()
+            .in_equilibrium()
             .filter(|(_, p)| side * (p.0 - self.start.0) < 0.0);
         let most = there.max_by(|a, b| (-side * a.1.1).total_cmp(&(-side * b.1.1)));
         most.map(|(index, &(displacement, force))| Peak {

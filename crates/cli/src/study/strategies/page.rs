@@ -17,7 +17,10 @@ pub fn page(rows: &[Row], title: &str, picture: Option<&str>, command: &str) -> 
         text += &line(row, reference);
     }
     if let Some(picture) = picture {
-        text += &format!("\n![Force over displacement by strategy]({picture})\n");
+        text += &format!(
+            "\n![Force over displacement by strategy]({picture})\n\nForces that inertia carries are left out of the \
+             curves.\n"
+        );
     }
     text
 }

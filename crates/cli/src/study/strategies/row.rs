@@ -65,7 +65,7 @@ impl LimitLoad {
 /// Figures of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Ran {
-    /// Displacement [mm] and force [kN] of its increments.
+    /// Displacement [mm] and force [kN] of its increments in equilibrium; of all if there is none.
     pub points: Vec<(f64, f64)>,
     /// Largest force along the drive: displacement [mm], force [kN].
     pub peak: Option<(f64, f64)>,
@@ -118,8 +118,12 @@ impl Row {
 
     fn with_run(self, curve: &wythe_core::results::Curve, summary: Option<&SummaryFile>) -> Self {
         let peak = curve.peak().map(|peak| (peak.displacement, peak.force));
+        let mut points: Vec<_> = curve.in_equilibrium().map(|(_, point)| *point).collect();
+        if points.is_empty() {
+            points = curve.points().to_vec();
+        }
         let mut ran = Ran {
-            points: curve.points().to_vec(),
+            points,
             peak,
             ..Ran::default()
         };

@@ -1,67 +1,85 @@
 //! Blocks of unknowns that inequalities couple: the forces at a corner, or at all corners of a joint.
 
+use std::ops::Range;
+
 use clarabel::algebra::CscMatrix;
 
 use super::cones::Cone;
 
-/// Unknowns that inequalities couple, with their part of the matrix.
+/// Unknowns that inequalities couple, with their part of the matrix. Numbers are those of [`Split`].
 #[derive(Clone, Debug, Default)]
 pub struct Block {
     /// Columns of the unknowns.
-    pub columns: Vec<usize>,
+    pub columns: Range<usize>,
+    /// Rows of the cones.
+    pub rows: Range<usize>,
+    /// The cones.
+    pub cones: Range<usize>,
     /// Equations with one of the unknowns, ascending.
     pub equations: Vec<usize>,
     /// Coefficients in the equations. `[column][equation]`
     pub own: Vec<f64>,
-    /// Numbers of the cones.
-    pub cones: Vec<usize>,
-    /// Rows of the cones, cone after cone.
-    pub rows: Vec<usize>,
-    /// Coefficients in these rows. `[column][row]`
-    pub bounds: Vec<f64>,
+    /// Coefficients in the rows. `[column][row]`
+    bounds: Vec<f64>,
     /// W⁻¹ times `bounds`.
-    pub scaled: Vec<f64>,
+    scaled: Vec<f64>,
     /// R of the Householder factors Q R of `scaled`, upper triangle. `[column][row]`
     upper: Vec<f64>,
-    /// R⁻ᵀ times the coefficients in the equations. `[equation][column]`
+    /// R⁻ᵀ times the coefficients in the equations. `[column][equation]`
     pub lifted: Vec<f64>,
 }
 
+/// to += factor × v.
+fn add(to: &mut [f64], factor: f64, v: &[f64]) {
+    to.iter_mut().zip(v).for_each(|(t, v)| *t += factor * v);
+}
+
+/// Σ a b of a few numbers.
+fn sum(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 impl Block {
-    /// Factorises with the scaling of the cones; false if an unknown has no bound.
+    /// Factorises with the scaling of all cones; false if an unknown has no bound.
     pub fn factorise(&mut self, cones: &[Cone]) -> bool {
         let (rows, count) = (self.rows.len(), self.columns.len());
         self.scaled.clone_from(&self.bounds);
         for column in self.scaled.chunks_exact_mut(rows) {
-            let mut first = 0;
-            for cone in &self.cones {
-                let cone = &cones[*cone];
-                cone.unapply(&mut column[first..first + cone.rows()]);
-                first += cone.rows();
+            for cone in &cones[self.cones.clone()] {
+                cone.unapply(&mut column[cone.first - self.rows.start..][..cone.rows()]);
             }
         }
         if !triangle(&self.scaled, rows, count, &mut self.upper) {
             return false;
         }
         let equations = self.equations.len();
-        self.lifted.resize(equations * count, 0.0);
-        for e in 0..equations {
-            let lifted = &mut self.lifted[e * count..(e + 1) * count];
-            for (k, value) in lifted.iter_mut().enumerate() {
-                *value = self.own[k * equations + e];
+        self.lifted.clone_from(&self.own);
+        for k in 0..count {
+            let (done, rest) = self.lifted.split_at_mut(k * equations);
+            let column = &self.upper[k * rows.max(count)..];
+            let own = &mut rest[..equations];
+            for (j, other) in done.chunks_exact(equations.max(1)).enumerate() {
+                add(own, -column[j], other);
             }
-            forward(&self.upper, rows.max(count), lifted);
+            own.iter_mut().for_each(|v| *v /= column[k]);
         }
         true
     }
 
     /// g ← R⁻ᵀ g.
-    pub fn lift(&self, g: &mut [f64]) {
-        forward(&self.upper, self.rows.len().max(g.len()), g);
+    fn lift(&self, g: &mut [f64]) {
+        let stride = self.rows.len().max(g.len());
+        for k in 0..g.len() {
+            let column = &self.upper[k * stride..];
+            for j in 0..k {
+                g[k] -= column[j] * g[j];
+            }
+            g[k] /= column[k];
+        }
     }
 
     /// p ← R⁻¹ p.
-    pub fn lower(&self, p: &mut [f64]) {
+    fn lower(&self, p: &mut [f64]) {
         let stride = self.rows.len().max(p.len());
         for k in (0..p.len()).rev() {
             for j in k + 1..p.len() {
@@ -70,16 +88,89 @@ impl Block {
             p[k] /= self.upper[k * stride + k];
         }
     }
-}
 
-/// g ← R⁻ᵀ g for columns of R of length `stride`.
-fn forward(upper: &[f64], stride: usize, g: &mut [f64]) {
-    for k in 0..g.len() {
-        let column = &upper[k * stride..];
-        for j in 0..k {
-            g[k] -= column[j] * g[j];
+    /// v ← W⁻¹ v on own rows.
+    fn unapply(&self, cones: &[Cone], v: &mut [f64]) {
+        for cone in &cones[self.cones.clone()] {
+            cone.unapply(&mut v[cone.first - self.rows.start..][..cone.rows()]);
         }
-        g[k] /= column[k];
+    }
+
+    /// Eliminates own unknowns: of right sides x and z, x ← R⁻ᵀ (x + (W⁻¹A)'W⁻¹z) and z ← W⁻¹z, and y += E R⁻¹x.
+    /// `local` holds one number for each equation.
+    pub fn eliminate(
+        &self,
+        cones: &[Cone],
+        [x, z]: [&mut [f64]; 2],
+        y: &mut [f64],
+        local: &mut Vec<f64>,
+    ) {
+        self.unapply(cones, z);
+        for (p, column) in x.iter_mut().zip(self.scaled.chunks_exact(z.len())) {
+            *p += sum(column, z);
+        }
+        self.lift(x);
+        local.clear();
+        local.resize(self.equations.len(), 0.0);
+        for (p, column) in x.iter().zip(self.lifted.chunks_exact(local.len().max(1))) {
+            add(local, *p, column);
+        }
+        for (e, v) in self.equations.iter().zip(&*local) {
+            y[*e] += v;
+        }
+    }
+
+    /// Own unknowns for a solution y of all equations, after [`Block::eliminate`].
+    pub fn substitute(
+        &self,
+        cones: &[Cone],
+        [x, z]: [&mut [f64]; 2],
+        y: &[f64],
+        local: &mut Vec<f64>,
+    ) {
+        local.clear();
+        local.extend(self.equations.iter().map(|e| y[*e]));
+        for (p, column) in x
+            .iter_mut()
+            .zip(self.lifted.chunks_exact(local.len().max(1)))
+        {
+            *p -= sum(column, local);
+        }
+        self.lower(x);
+        // z = W⁻¹ (W⁻¹A x − W⁻¹ r_z)
+        z.iter_mut().for_each(|v| *v = -*v);
+        for (p, column) in x.iter().zip(self.scaled.chunks_exact(z.len())) {
+            add(z, *p, column);
+        }
+        self.unapply(cones, z);
+    }
+
+    /// E'y + A'z and A x of own unknowns and rows into `products`, and y's += E x.
+    pub fn multiply(
+        &self,
+        [x, y, z]: [&[f64]; 3],
+        products: [&mut [f64]; 2],
+        sums: &mut [f64],
+        local: &mut Vec<f64>,
+    ) {
+        let (x, z) = (&x[self.columns.clone()], &z[self.rows.clone()]);
+        let [back, along] = products;
+        local.clear();
+        local.extend(self.equations.iter().map(|e| y[*e]));
+        local.resize(2 * self.equations.len(), 0.0);
+        let count = self.equations.len();
+        let (own_y, own_sums) = local.split_at_mut(count);
+        along.fill(0.0);
+        for (c, (p, back)) in x.iter().zip(back).enumerate() {
+            let column = &self.own[c * count..][..count];
+            let bound = &self.bounds[c * z.len()..][..z.len()];
+            *back = sum(column, own_y) + sum(bound, z);
+            add(own_sums, *p, column);
+            add(along, *p, bound);
+        }
+        for (e, v) in self.equations.iter().zip(&*own_sums) {
+            sums[*e] += v;
+        }
     }
 }
 
@@ -125,56 +216,125 @@ fn triangle(matrix: &[f64], rows: usize, count: usize, upper: &mut Vec<f64>) -> 
     true
 }
 
-/// Blocks of a matrix whose rows from `equations` on belong to cones, and the columns without bounds.
-pub fn split(
-    matrix: &CscMatrix<f64>,
-    equations: usize,
-    cone_of_row: &[usize],
-    cones: &[Cone],
-) -> (Vec<Block>, Vec<usize>) {
-    // Columns that share a cone have the same root.
-    let mut root: Vec<usize> = (0..matrix.n).collect();
-    let mut first_of_cone = vec![usize::MAX; cones.len()];
-    let mut bounded = vec![false; matrix.n];
-    let entries = |k: usize| {
-        let range = matrix.colptr[k]..matrix.colptr[k + 1];
-        let rows = matrix.rowval[range.clone()].iter().copied();
-        rows.zip(matrix.nzval[range].iter().copied())
-    };
-    for k in 0..matrix.n {
-        for (row, _) in entries(k).filter(|(row, _)| *row >= equations) {
-            let cone = cone_of_row[row - equations];
-            bounded[k] = true;
-            match first_of_cone[cone] {
-                usize::MAX => first_of_cone[cone] = k,
-                other => {
-                    let (a, b) = (find(&mut root, k), find(&mut root, other));
-                    root[a.max(b)] = a.min(b);
+/// A matrix in blocks. Columns, rows and cones are numbered anew, block after block; columns without bounds come last.
+#[derive(Debug)]
+pub struct Split {
+    /// Blocks.
+    pub blocks: Vec<Block>,
+    /// Cones by their new numbers.
+    pub cones: Vec<Cone>,
+    /// Old number of each column.
+    pub columns: Vec<usize>,
+    /// Number of columns with bounds.
+    pub bounded: usize,
+    /// Old number of each row, after the equations.
+    pub rows: Vec<usize>,
+}
+
+impl Split {
+    /// Blocks of a matrix whose rows from `equations` on belong to cones.
+    pub fn of(
+        matrix: &CscMatrix<f64>,
+        equations: usize,
+        cone_of_row: &[usize],
+        cones: &[Cone],
+    ) -> Self {
+        let entries = |k: usize| {
+            let range = matrix.colptr[k]..matrix.colptr[k + 1];
+            let rows = matrix.rowval[range.clone()].iter().copied();
+            rows.zip(matrix.nzval[range].iter().copied())
+        };
+        // Columns that share a cone have the same root.
+        let mut root: Vec<usize> = (0..matrix.n).collect();
+        let mut first_of_cone = vec![usize::MAX; cones.len()];
+        let mut bounded = vec![false; matrix.n];
+        for k in 0..matrix.n {
+            for (row, _) in entries(k).filter(|(row, _)| *row >= equations) {
+                let cone = cone_of_row[row - equations];
+                bounded[k] = true;
+                match first_of_cone[cone] {
+                    usize::MAX => first_of_cone[cone] = k,
+                    other => {
+                        let (a, b) = (find(&mut root, k), find(&mut root, other));
+                        root[a.max(b)] = a.min(b);
+                    }
                 }
             }
         }
-    }
-    let mut blocks: Vec<Block> = Vec::new();
-    let mut block_of_root = vec![usize::MAX; matrix.n];
-    for k in (0..matrix.n).filter(|k| bounded[*k]) {
-        let own = find(&mut root, k);
-        if block_of_root[own] == usize::MAX {
-            block_of_root[own] = blocks.len();
-            blocks.push(Block::default());
+        let mut members: Vec<[Vec<usize>; 2]> = Vec::new();
+        let mut block_of_root = vec![usize::MAX; matrix.n];
+        for k in (0..matrix.n).filter(|k| bounded[*k]) {
+            let own = find(&mut root, k);
+            if block_of_root[own] == usize::MAX {
+                block_of_root[own] = members.len();
+                members.push([Vec::new(), Vec::new()]);
+            }
+            members[block_of_root[own]][0].push(k);
         }
-        blocks[block_of_root[own]].columns.push(k);
-    }
-    for (cone, first) in first_of_cone.iter().enumerate() {
-        if *first != usize::MAX {
-            blocks[block_of_root[find(&mut root, *first)]]
-                .cones
-                .push(cone);
+        for (cone, first) in first_of_cone.iter().enumerate() {
+            if *first != usize::MAX {
+                members[block_of_root[find(&mut root, *first)]][1].push(cone);
+            }
         }
+        let mut split = Self {
+            blocks: Vec::with_capacity(members.len()),
+            cones: Vec::with_capacity(cones.len()),
+            columns: Vec::with_capacity(matrix.n),
+            bounded: 0,
+            rows: Vec::with_capacity(cone_of_row.len()),
+        };
+        for [columns, own_cones] in members {
+            let own_cones = own_cones.into_iter().map(|cone| &cones[cone]);
+            split.append(&columns, own_cones, equations, &entries);
+        }
+        split.bounded = split.columns.len();
+        let free = (0..matrix.n).filter(|k| !bounded[*k]);
+        split.columns.extend(free);
+        split
     }
-    for block in &mut blocks {
-        fill(block, equations, cones, &entries);
+
+    /// Appends a block of columns and cones.
+    fn append<'a, I: Iterator<Item = (usize, f64)>>(
+        &mut self,
+        columns: &[usize],
+        cones: impl Iterator<Item = &'a Cone>,
+        equations: usize,
+        entries: &dyn Fn(usize) -> I,
+    ) {
+        let starts = [self.columns.len(), self.rows.len(), self.cones.len()];
+        self.columns.extend(columns);
+        for cone in cones {
+            self.cones.push(Cone::new(cone.shape, self.rows.len()));
+            self.rows.extend(cone.first..cone.first + cone.rows());
+        }
+        let rows = columns.iter().flat_map(|k| entries(*k));
+        let own = rows.filter(|(row, _)| *row < equations);
+        let mut block = Block {
+            columns: starts[0]..self.columns.len(),
+            rows: starts[1]..self.rows.len(),
+            cones: starts[2]..self.cones.len(),
+            equations: own.map(|(row, _)| row).collect(),
+            ..Block::default()
+        };
+        block.equations.sort_unstable();
+        block.equations.dedup();
+        let (stride, count) = (block.equations.len(), block.rows.len());
+        block.own = vec![0.0; stride * columns.len()];
+        block.bounds = vec![0.0; count * columns.len()];
+        for (c, k) in columns.iter().enumerate() {
+            for (row, value) in entries(*k) {
+                if row < equations {
+                    if let Ok(e) = block.equations.binary_search(&row) {
+                        block.own[c * stride + e] += value;
+                    }
+                } else if let Ok(r) = self.rows[starts[1]..].binary_search(&(row - equations)) {
+                    // Cones ascend, and so do their rows.
+                    block.bounds[c * count + r] += value;
+                }
+            }
+        }
+        self.blocks.push(block);
     }
-    (blocks, (0..matrix.n).filter(|k| !bounded[*k]).collect())
 }
 
 fn find(root: &mut [usize], mut k: usize) -> usize {
@@ -183,37 +343,4 @@ fn find(root: &mut [usize], mut k: usize) -> usize {
         k = root[k];
     }
     k
-}
-
-/// Copies the coefficients of a block.
-fn fill<I: Iterator<Item = (usize, f64)>>(
-    block: &mut Block,
-    equations: usize,
-    cones: &[Cone],
-    entries: &dyn Fn(usize) -> I,
-) {
-    let rows = block.columns.iter().flat_map(|k| entries(*k));
-    let own = rows.filter(|(row, _)| *row < equations);
-    block.equations = own.map(|(row, _)| row).collect();
-    block.equations.sort_unstable();
-    block.equations.dedup();
-    let rows = block.cones.iter().map(|cone| &cones[*cone]);
-    block.rows = rows
-        .flat_map(|cone| cone.first..cone.first + cone.rows())
-        .collect();
-    let count = block.rows.len();
-    block.own = vec![0.0; block.equations.len() * block.columns.len()];
-    block.bounds = vec![0.0; count * block.columns.len()];
-    for (c, k) in block.columns.iter().enumerate() {
-        for (row, value) in entries(*k) {
-            if row < equations {
-                if let Ok(e) = block.equations.binary_search(&row) {
-                    block.own[c * block.equations.len() + e] += value;
-                }
-            } else if let Ok(r) = block.rows.binary_search(&(row - equations)) {
-                // Cones ascend, and so do their rows.
-                block.bounds[c * count + r] += value;
-            }
-        }
-    }
 }

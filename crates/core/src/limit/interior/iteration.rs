@@ -129,11 +129,10 @@ impl<'a> Iteration<'a> {
     }
 
     fn residuals(&self) -> Residuals {
-        let mut parts = self.normal.multiply(&self.x);
+        let mut parts = self.normal.multiply(&self.x, &self.y, &self.z);
         add(&mut parts.z, 1.0, &self.s);
         add(&mut parts.z, -self.tau, &self.right.z);
         add(&mut parts.y, -self.tau, &self.right.y);
-        parts.x = self.normal.multiply_back(&self.y, &self.z, self.cost.len());
         add(&mut parts.x, self.tau, &self.cost);
         let bound = dot(&self.right.y, &self.y) + dot(&self.right.z, &self.z);
         let mean = dot(&self.s, &self.z) + self.tau * self.kappa;
@@ -322,12 +321,11 @@ impl<'a> Iteration<'a> {
     /// Whether the state proves that there is no solution.
     fn without_solution(&self) -> Option<End> {
         let bound = dot(&self.right.y, &self.y) + dot(&self.right.z, &self.z);
-        let back = self.normal.multiply_back(&self.y, &self.z, self.cost.len());
-        if bound < 0.0 && most(&back) <= -PROOF * bound {
+        let mut product = self.normal.multiply(&self.x, &self.y, &self.z);
+        if bound < 0.0 && most(&product.x) <= -PROOF * bound {
             return Some(End::Infeasible);
         }
         let value = dot(&self.cost, &self.x);
-        let mut product = self.normal.multiply(&self.x);
         add(&mut product.z, 1.0, &self.s);
         let miss = most(&product.y).max(most(&product.z));
         (value < 0.0 && miss <= -PROOF * value).then_some(End::Unbounded)

@@ -1,9 +1,13 @@
 //! Equations of a step of the interior-point method, reduced to the motions of the bodies: a stiffness matrix with one
 //! stiffness for each block.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::blocks::Block;
 use super::cones::Cone;
-use crate::linear::{Backend, LinearSolver, Options, Pattern, dot};
+use crate::linear::{Backend, LinearSolver, Options, Pattern};
 
 /// Largest number of unknowns without bounds.
 const MOST_FREE: usize = 60;
@@ -13,6 +17,9 @@ const ADDED: [f64; 4] = [1e-14, 1e-12, 1e-10, 1e-8];
 const ENOUGH: f64 = 1e-11;
 /// Most refinements of a solution.
 const REFINEMENTS: usize = 3;
+/// Blocks that one thread takes at a time. Sums are added in the order of these chunks, so that they have the same bits
+/// on any number of threads.
+const CHUNK: usize = 2000;
 
 /// Right side or solution: of the unknowns, of the equations, of the rows of cones.
 #[derive(Clone, Debug, Default)]
@@ -25,14 +32,42 @@ pub struct Parts {
     pub z: Vec<f64>,
 }
 
+/// Blocks that one thread takes at a time.
+#[derive(Clone, Debug)]
+struct Chunk {
+    blocks: Range<usize>,
+    columns: usize,
+    rows: usize,
+}
+
+impl Chunk {
+    fn all(blocks: &[Block]) -> Vec<Self> {
+        let chunks = blocks.chunks(CHUNK).enumerate().map(|(c, own)| Self {
+            blocks: c * CHUNK..c * CHUNK + own.len(),
+            columns: own.iter().map(|block| block.columns.len()).sum(),
+            rows: own.iter().map(|block| block.rows.len()).sum(),
+        });
+        chunks.collect()
+    }
+}
+
+/// Pieces of a vector by their lengths.
+fn pieces(mut v: &mut [f64], lengths: impl Iterator<Item = usize>) -> Vec<&mut [f64]> {
+    let mut pieces = Vec::new();
+    for length in lengths {
+        let (piece, rest) = std::mem::take(&mut v).split_at_mut(length);
+        pieces.push(piece);
+        v = rest;
+    }
+    pieces
+}
+
 /// The equations E'y + A'z = r_x, E x = r_y, A x − W² z = r_z.
 #[derive(Debug)]
 pub struct Normal {
-    /// Blocks.
-    pub blocks: Vec<Block>,
-    /// Columns without bounds.
-    pub free: Vec<usize>,
-    /// Their coefficients in the equations. `[free column]`
+    blocks: Vec<Block>,
+    chunks: Vec<Chunk>,
+    /// Coefficients of the columns without bounds, which follow those with bounds, in the equations. `[free column]`
     free_entries: Vec<Vec<(usize, f64)>>,
     solver: LinearSolver,
     values: Vec<f64>,
@@ -54,7 +89,7 @@ impl Normal {
     /// Analyses the blocks. `None` if there are many free unknowns, or too many equations for the linear solver.
     pub fn new(
         blocks: Vec<Block>,
-        free_entries: Vec<(usize, Vec<(usize, f64)>)>,
+        free_entries: Vec<Vec<(usize, f64)>>,
         equations: usize,
         nodes: Nodes<'_>,
     ) -> Option<Self> {
@@ -92,14 +127,14 @@ impl Normal {
             ..Options::new(Backend::MultifrontalLlt)
         };
         let solver = LinearSolver::analyse_beside(pattern, options, None).ok()?;
-        let (free, free_entries): (Vec<usize>, Vec<_>) = free_entries.into_iter().unzip();
+        let free = free_entries.len();
         Some(Self {
             values: vec![0.0; rows.len()],
             diagonal,
-            through: vec![0.0; free.len() * equations],
-            free_inverse: nalgebra::DMatrix::zeros(free.len(), free.len()),
+            through: vec![0.0; free * equations],
+            free_inverse: nalgebra::DMatrix::zeros(free, free),
+            chunks: Chunk::all(&blocks),
             blocks,
-            free,
             free_entries,
             solver,
             places,
@@ -109,24 +144,16 @@ impl Normal {
 
     /// Factorises with the scaling of the cones; false if a matrix is singular.
     pub fn factorise(&mut self, cones: &[Cone]) -> bool {
-        self.values.fill(0.0);
-        let mut at = 0;
-        for (b, block) in self.blocks.iter_mut().enumerate() {
-            if !block.factorise(cones) {
-                return false;
-            }
-            if !self.places[b].is_empty() {
-                at = b;
-            }
-            let count = block.columns.len();
-            let mut places = self.places[at].iter();
-            for left in block.lifted.chunks_exact(count) {
-                for (right, place) in block.lifted.chunks_exact(count).zip(places.by_ref()) {
-                    let product = dot(left, right);
-                    self.values[*place as usize] += product;
-                }
-            }
+        let factorised = |block: &mut Block| block.factorise(cones);
+        if !self
+            .blocks
+            .par_iter_mut()
+            .with_min_len(CHUNK)
+            .all(factorised)
+        {
+            return false;
         }
+        self.assemble();
         // A mechanism that is almost free makes the matrix almost singular.
         let mut before = 1.0;
         ADDED.into_iter().any(|added| {
@@ -138,9 +165,36 @@ impl Normal {
         })
     }
 
+    /// The matrix E (A'W⁻²A)⁻¹ E'. Blocks of the same equations are added before.
+    fn assemble(&mut self) {
+        self.values.fill(0.0);
+        let mut local: Vec<f64> = Vec::new();
+        let mut first = 0;
+        while first < self.blocks.len() {
+            let others = self.places[first + 1..].iter();
+            let next = first + 1 + others.take_while(|places| places.is_empty()).count();
+            let count = self.blocks[first].equations.len();
+            local.clear();
+            local.resize(count * count, 0.0);
+            for block in &self.blocks[first..next] {
+                for column in block.lifted.chunks_exact(count.max(1)) {
+                    for (sums, left) in local.chunks_exact_mut(count).zip(column) {
+                        sums.iter_mut()
+                            .zip(column)
+                            .for_each(|(s, v)| *s += left * v);
+                    }
+                }
+            }
+            for (place, value) in self.places[first].iter().zip(&local) {
+                self.values[*place as usize] += value;
+            }
+            first = next;
+        }
+    }
+
     /// Schur complement of the free columns.
     fn reduce(&mut self) -> bool {
-        let count = self.free.len();
+        let count = self.free_entries.len();
         self.through.fill(0.0);
         for (f, entries) in self.free_entries.iter().enumerate() {
             for (row, value) in entries {
@@ -197,77 +251,59 @@ impl Normal {
     }
 
     fn solve_once(&mut self, right: &Parts, cones: &[Cone]) -> Option<Parts> {
-        let mut z = right.z.clone();
-        for cone in cones {
-            cone.unapply(cone.of_mut(&mut z));
-        }
-        let mut x = vec![0.0; right.x.len()];
+        let (mut x, mut z) = (right.x.clone(), right.z.clone());
         let mut y: Vec<f64> = right.y.iter().map(|r| -r).collect();
-        let mut own = Vec::new();
-        for block in &self.blocks {
-            gather(block, &z, &mut own);
-            let rows = block.rows.len();
-            let mut lifted: Vec<f64> = block.columns.iter().map(|k| right.x[*k]).collect();
-            for (g, column) in lifted.iter_mut().zip(block.scaled.chunks_exact(rows)) {
-                *g += dot(column, &own);
+        let eliminated = self.parts(&mut x, &mut z).map(|(chunk, x, z)| {
+            let mut sums = vec![0.0; self.equations];
+            let mut local = Vec::new();
+            for (block, parts) in own_parts(&self.blocks[chunk.blocks.clone()], x, z) {
+                block.eliminate(cones, parts, &mut sums, &mut local);
             }
-            block.lift(&mut lifted);
-            for (e, column) in block
-                .equations
-                .iter()
-                .zip(block.lifted.chunks_exact(lifted.len()))
-            {
-                y[*e] += dot(column, &lifted);
-            }
-            block
-                .columns
-                .iter()
-                .zip(&lifted)
-                .for_each(|(k, p)| x[*k] = *p);
+            sums
+        });
+        for sums in eliminated.collect::<Vec<_>>() {
+            y.iter_mut().zip(sums).for_each(|(y, s)| *y += s);
         }
         self.solver.solve(&mut y).ok()?;
         self.add_free(&right.x, &mut x, &mut y);
-        for block in &self.blocks {
-            let mut p: Vec<f64> = block.columns.iter().map(|k| x[*k]).collect();
-            for (e, column) in block
-                .equations
-                .iter()
-                .zip(block.lifted.chunks_exact(p.len()))
-            {
-                p.iter_mut().zip(column).for_each(|(p, v)| *p -= v * y[*e]);
+        self.parts(&mut x, &mut z).for_each(|(chunk, x, z)| {
+            let mut local = Vec::new();
+            for (block, parts) in own_parts(&self.blocks[chunk.blocks.clone()], x, z) {
+                block.substitute(cones, parts, &y, &mut local);
             }
-            block.lower(&mut p);
-            block.columns.iter().zip(&p).for_each(|(k, p)| x[*k] = *p);
-            // z = W⁻¹ (B x − W⁻¹ r_z)
-            gather(block, &z, &mut own);
-            for v in &mut own {
-                *v = -*v;
-            }
-            for (p, column) in p.iter().zip(block.scaled.chunks_exact(block.rows.len())) {
-                own.iter_mut().zip(column).for_each(|(v, a)| *v += a * p);
-            }
-            let mut first = 0;
-            for cone in block.cones.iter().map(|cone| &cones[*cone]) {
-                cone.unapply(&mut own[first..first + cone.rows()]);
-                first += cone.rows();
-            }
-            block.rows.iter().zip(&own).for_each(|(r, v)| z[*r] = *v);
-        }
+        });
         Some(Parts { x, y, z })
+    }
+
+    /// Chunks with their parts of unknowns and of rows.
+    fn parts<'a>(
+        &'a self,
+        x: &'a mut [f64],
+        z: &'a mut [f64],
+    ) -> impl IndexedParallelIterator<Item = (&'a Chunk, &'a mut [f64], &'a mut [f64])> {
+        let x = pieces(x, self.chunks.iter().map(|chunk| chunk.columns));
+        let z = pieces(z, self.chunks.iter().map(|chunk| chunk.rows));
+        let both = x.into_par_iter().zip(z);
+        self.chunks
+            .par_iter()
+            .zip(both)
+            .map(|(chunk, (x, z))| (chunk, x, z))
+    }
+
+    /// Number of the first column without bounds.
+    fn bounded(&self) -> usize {
+        self.chunks.iter().map(|chunk| chunk.columns).sum()
     }
 
     /// Adds the free unknowns to y = S⁻¹ h: x_F = (F'S⁻¹F)⁻¹ (g_F − F'y), y += S⁻¹F x_F.
     fn add_free(&self, right: &[f64], x: &mut [f64], y: &mut [f64]) {
-        let miss = |f: usize| {
-            let entries = self.free_entries[f].iter();
-            let along: f64 = entries.map(|(row, value)| value * y[*row]).sum();
-            right[self.free[f]] - along
-        };
-        let miss =
-            nalgebra::DVector::from_iterator(self.free.len(), (0..self.free.len()).map(miss));
+        let bounded = self.bounded();
+        let miss = self.free_entries.iter().zip(&right[bounded..]);
+        let miss = miss.map(|(entries, right)| right - along(entries, y));
+        let miss = nalgebra::DVector::from_iterator(self.free_entries.len(), miss);
         let found = &self.free_inverse * miss;
         for (f, value) in found.iter().enumerate() {
-            x[self.free[f]] = *value;
+            x[bounded + f] = *value;
             let column = &self.through[f * self.equations..][..self.equations];
             y.iter_mut().zip(column).for_each(|(y, t)| *y += t * value);
         }
@@ -276,10 +312,12 @@ impl Normal {
     /// Residual of the whole system.
     fn miss(&self, found: &Parts, right: &Parts, cones: &[Cone]) -> Parts {
         let mut miss = right.clone();
-        let product = self.multiply(&found.x);
-        let back = self.multiply_back(&found.y, &found.z, right.x.len());
-        miss.x.iter_mut().zip(&back).for_each(|(m, b)| *m -= b);
-        miss.y.iter_mut().zip(&product.y).for_each(|(m, p)| *m -= p);
+        let product = self.multiply(&found.x, &found.y, &found.z);
+        let subtract = |miss: &mut [f64], product: &[f64]| {
+            miss.iter_mut().zip(product).for_each(|(m, p)| *m -= p);
+        };
+        subtract(&mut miss.x, &product.x);
+        subtract(&mut miss.y, &product.y);
         let mut squared = found.z.clone();
         for cone in cones {
             let own = cone.of_mut(&mut squared);
@@ -291,63 +329,51 @@ impl Normal {
         miss
     }
 
-    /// E x and A x.
-    pub fn multiply(&self, x: &[f64]) -> Parts {
-        let mut y = vec![0.0; self.equations];
-        let rows = self.blocks.iter().map(|block| block.rows.len()).sum();
-        let mut z = vec![0.0; rows];
-        for block in &self.blocks {
-            for (c, k) in block.columns.iter().enumerate() {
-                let count = block.equations.len();
-                let own = &block.own[c * count..(c + 1) * count];
-                block
-                    .equations
-                    .iter()
-                    .zip(own)
-                    .for_each(|(e, a)| y[*e] += a * x[*k]);
-                let bounds = &block.bounds[c * block.rows.len()..(c + 1) * block.rows.len()];
-                block
-                    .rows
-                    .iter()
-                    .zip(bounds)
-                    .for_each(|(r, a)| z[*r] += a * x[*k]);
+    /// E'y + A'z, E x and A x.
+    pub fn multiply(&self, x: &[f64], y: &[f64], z: &[f64]) -> Parts {
+        let mut product = Parts {
+            x: vec![0.0; x.len()],
+            y: vec![0.0; self.equations],
+            z: vec![0.0; z.len()],
+        };
+        let parts = self.parts(&mut product.x, &mut product.z);
+        let sums = parts.map(|(chunk, back, along)| {
+            let mut sums = vec![0.0; self.equations];
+            let mut local = Vec::new();
+            for (block, parts) in own_parts(&self.blocks[chunk.blocks.clone()], back, along) {
+                block.multiply([x, y, z], parts, &mut sums, &mut local);
             }
+            sums
+        });
+        for sums in sums.collect::<Vec<_>>() {
+            product.y.iter_mut().zip(sums).for_each(|(y, s)| *y += s);
         }
-        for (entries, k) in self.free_entries.iter().zip(&self.free) {
+        let free = self.bounded();
+        for (k, entries) in self.free_entries.iter().enumerate() {
             for (row, a) in entries {
-                y[*row] += a * x[*k];
+                product.y[*row] += a * x[free + k];
             }
+            product.x[free + k] = along(entries, y);
         }
-        Parts {
-            x: Vec::new(),
-            y,
-            z,
-        }
-    }
-
-    /// E'y + A'z.
-    pub fn multiply_back(&self, y: &[f64], z: &[f64], columns: usize) -> Vec<f64> {
-        let mut x = vec![0.0; columns];
-        for block in &self.blocks {
-            let equations = block.equations.len();
-            for (c, k) in block.columns.iter().enumerate() {
-                let own = block.own[c * equations..].iter().zip(&block.equations);
-                let bounds = block.bounds[c * block.rows.len()..].iter().zip(&block.rows);
-                x[*k] = own.map(|(a, e)| a * y[*e]).sum::<f64>()
-                    + bounds.map(|(a, r)| a * z[*r]).sum::<f64>();
-            }
-        }
-        for (entries, k) in self.free_entries.iter().zip(&self.free) {
-            x[*k] = entries.iter().map(|(row, a)| a * y[*row]).sum();
-        }
-        x
+        product
     }
 }
 
-/// Own rows of a block.
-fn gather(block: &Block, z: &[f64], own: &mut Vec<f64>) {
-    own.clear();
-    own.extend(block.rows.iter().map(|r| z[*r]));
+/// Σ a y over the entries of a column.
+fn along(entries: &[(usize, f64)], y: &[f64]) -> f64 {
+    entries.iter().map(|(row, a)| a * y[*row]).sum()
+}
+
+/// Blocks with their parts of those of a chunk.
+fn own_parts<'a>(
+    blocks: &'a [Block],
+    x: &'a mut [f64],
+    z: &'a mut [f64],
+) -> impl Iterator<Item = (&'a Block, [&'a mut [f64]; 2])> {
+    let x = pieces(x, blocks.iter().map(|block| block.columns.len()));
+    let z = pieces(z, blocks.iter().map(|block| block.rows.len()));
+    let both = x.into_iter().zip(z).map(|(x, z)| [x, z]);
+    blocks.iter().zip(both)
 }
 
 /// Largest absolute value.

@@ -2,7 +2,7 @@
 
 use clarabel::solver::SupportedConeT::{NonnegativeConeT, SecondOrderConeT, ZeroConeT};
 
-use super::blocks::{Block, split};
+use super::blocks::Split;
 use super::cones::{Cone, Shape};
 use super::iteration::{End, Iteration};
 use super::normal::{Nodes, Normal, Parts};
@@ -58,9 +58,9 @@ fn cones_of(program: &Matrix) -> Option<(usize, Vec<Cone>, Vec<usize>)> {
 }
 
 impl Scales {
-    fn of(program: &Matrix, cost: &[f64], blocks: &[Block], free: &[usize]) -> Self {
+    fn of(program: &Matrix, cost: &[f64], split: &Split) -> Self {
         let matrix = &program.entries;
-        let equations = blocks.iter().flat_map(|block| {
+        let equations = split.blocks.iter().flat_map(|block| {
             let own = block.own.chunks_exact(block.equations.len().max(1));
             own.flat_map(|column| block.equations.iter().copied().zip(column.iter().copied()))
         });
@@ -72,7 +72,7 @@ impl Scales {
             *row = if *row > 0.0 { 1.0 / *row } else { 1.0 };
         }
         let mut columns = vec![1.0; matrix.n];
-        for k in free {
+        for k in &split.columns[split.bounded..] {
             let entries = matrix.colptr[*k]..matrix.colptr[*k + 1];
             let sizes = entries.map(|i| (rows[matrix.rowval[i]] * matrix.nzval[i]).abs());
             let most = sizes.fold(0.0, f64::max);
@@ -98,36 +98,39 @@ impl Scales {
 pub fn solve(program: &Matrix, cost: &[f64], nodes: Nodes<'_>, tolerance: f64) -> Option<Answer> {
     let (equations, cones, of_row) = cones_of(program)?;
     let matrix = &program.entries;
-    let (mut blocks, free) = split(matrix, equations, &of_row, &cones);
-    let scales = Scales::of(program, cost, &blocks, &free);
-    for block in &mut blocks {
+    let mut split = Split::of(matrix, equations, &of_row, &cones);
+    let scales = Scales::of(program, cost, &split);
+    for block in &mut split.blocks {
         let count = block.equations.len().max(1);
         for column in block.own.chunks_exact_mut(count) {
             let rows = block.equations.iter().map(|e| scales.rows[*e]);
             column.iter_mut().zip(rows).for_each(|(a, r)| *a *= r);
         }
     }
-    let free = free.into_iter().map(|k| {
-        let entries = matrix.colptr[k]..matrix.colptr[k + 1];
+    let free = split.columns[split.bounded..].iter().map(|k| {
+        let entries = matrix.colptr[*k]..matrix.colptr[k + 1];
         let scaled = entries.map(|i| {
             let row = matrix.rowval[i];
-            (row, scales.rows[row] * scales.columns[k] * matrix.nzval[i])
+            (row, scales.rows[row] * scales.columns[*k] * matrix.nzval[i])
         });
-        (k, scaled.collect())
+        scaled.collect()
     });
-    let mut normal = Normal::new(blocks, free.collect(), equations, nodes)?;
+    let free = free.collect();
+    let mut normal = Normal::new(split.blocks, free, equations, nodes)?;
     let scaled = program.right.iter().enumerate();
     let scaled = scaled.map(|(i, b)| scales.rows.get(i).unwrap_or(&1.0) * b / scales.right);
     let mut y: Vec<f64> = scaled.collect();
-    let z = y.split_off(equations);
-    let costs = cost.iter().zip(&scales.columns);
-    let costs = costs.map(|(c, k)| scales.cost * c * k).collect();
+    let bounds = y.split_off(equations);
+    let z = split.rows.iter().map(|row| bounds[*row]).collect();
+    let costs = split.columns.iter();
+    let costs = costs.map(|k| scales.cost * cost[*k] * scales.columns[*k]);
+    let costs = costs.collect();
     let right = Parts {
         x: Vec::new(),
         y,
         z,
     };
-    let mut iteration = Iteration::new(&mut normal, cones, costs, right);
+    let mut iteration = Iteration::new(&mut normal, split.cones, costs, right);
     let (end, error) = iteration.run(tolerance);
     let [_, bound] = iteration.objectives();
     // A proof that there is no solution has no size.
@@ -136,12 +139,15 @@ pub fn solve(program: &Matrix, cost: &[f64], nodes: Nodes<'_>, tolerance: f64) -
     } else {
         1.0
     };
-    let x = iteration.x.iter().zip(&scales.columns);
+    let mut x = vec![0.0; matrix.n];
+    for (k, value) in split.columns.iter().zip(&iteration.x) {
+        x[*k] = scales.right * scales.columns[*k] * value / size;
+    }
     let y = iteration.y.iter().zip(&scales.rows);
     Some(Answer {
         end,
         error,
-        x: x.map(|(x, k)| scales.right * k * x / size).collect(),
+        x,
         y: y.map(|(y, r)| r * y / (scales.cost * size)).collect(),
         bound: bound * scales.right / scales.cost,
     })

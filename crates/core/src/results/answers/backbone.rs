@@ -31,7 +31,7 @@ impl Backbone {
         let turns = curve.turns_back();
         let mut points = vec![(0.0, side * force)];
         let mut farthest = 0.0_f64;
-        for (_, &(displacement, force)) in curve.candidates() {
+        for (_, &(displacement, force)) in curve.in_equilibrium() {
             let travel = side * (displacement - start);
             if turns && (travel <= 0.0 || travel < farthest * (1.0 - ROUNDING)) {
                 continue;
