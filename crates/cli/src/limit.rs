@@ -18,6 +18,9 @@ use crate::findings::{self, Sound};
 use crate::plot::write_picture;
 use crate::say::{print, tell};
 
+/// Part of the associated factor below which a scene carries almost nothing.
+const NOTHING: f64 = 1e-3;
+
 /// Reads the model, finds the factor and prints it.
 pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     let path = &arguments.model;
@@ -202,6 +205,10 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
         speed > 1e-2
     });
     line("mechanism", format!("{} units move", moving.count()));
+    if found.factor < NOTHING * found.associated_factor {
+        text += "warning: without dilatancy the lowest state carries almost nothing: joints that only the live load or a \
+                 held beam presses may be without pressure; the associated factor is that of joints which stay pressed\n";
+    }
     if !found.converged {
         text += &format!(
             "warning: in the mechanisms of {} programs joints open or close as they slide; the last factor is given\n",

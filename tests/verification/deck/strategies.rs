@@ -253,6 +253,43 @@ fn mortar_that_cracks_first_is_told() {
     assert_eq!(warned("[[1.5, 0, 0]", PUSH), 0);
 }
 
+/// Expanded units weigh as much as the units and the mortar that they stand for.
+#[test]
+fn expanded_walls_weigh_as_much() {
+    let mass = |strategy: &str| {
+        let dense = |of: &str, density: f64| {
+            let begin = format!("[materials.{of}]\n");
+            (
+                begin.clone(),
+                format!("{begin}density = \"{density} kg/m^3\"\n"),
+            )
+        };
+        let [brick, mortar] = [dense("brick", 600.0), dense("mortar", 1800.0)];
+        let solids = SOLIDS
+            .replace(&brick.0, &brick.1)
+            .replace(&mortar.0, &mortar.1);
+        let text = format!(
+            "strategy = \"{strategy}\"\n{solids}[wall]\nunit = [204, 98, 50]\nbed_joint = 12.5\nhead_joint = 12.5\n\
+             unit_material = \"brick\"\nmortar_material = \"mortar\"\ninterface = \"joint\"\nlength = 990\n\
+             courses = 6\nhead_filling = 0.5\n{PUSH}"
+        );
+        let deck = Deck::from_str(&text, "wall.toml").unwrap_or_else(|e| panic!("{e}"));
+        let model = built(&deck);
+        let elements = 0..model.mesh.elements.len();
+        let mass = elements.map(|e| {
+            let material = &model.materials[usize::from(model.mesh.material[e])];
+            material.parameters.elastic().density * model.mesh.volume(e)
+        });
+        mass.sum::<f64>()
+    };
+    let detailed = mass("detailed");
+    for strategy in ["simplified", "rigid"] {
+        // The ends of a wall have other parts of joints than its middle.
+        let ratio = mass(strategy) / detailed;
+        assert!((ratio - 1.0).abs() < 0.03, "{strategy}: {ratio}");
+    }
+}
+
 #[test]
 fn derived_values_are_told_without_digits_of_rounding() {
     let text = wall("simplified", "length = 990\ncourses = 6", PUSH)

@@ -34,6 +34,58 @@ fn force_of(floor: &str, direction: &str) -> f64 {
     1e3 * recording.rows.last().expect("a row").force_kN
 }
 
+/// A floor and its walls turned about the vertical axis have the same area, mass and springs.
+#[test]
+fn a_floor_may_be_turned_with_its_walls() {
+    let floor = "load = \"3 kN/m^2\"\naxial = \"10 kN/mm\"";
+    let made = |degrees: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let turn = |text: String, y: f64| {
+            let turned = format!(
+                "at = [{}, {}, 0]\nrotate = {{ axis = \"z\", angle = {degrees} }}\n",
+                -sine * y,
+                cosine * y
+            );
+            text.replace(&format!("at = [0, {y}, 0]\n"), &turned)
+        };
+        let text = turn(turn(two_walls(floor), 0.0), SPAN);
+        let (_, model) = deck_and_model(&format!("{text}{GRAVITY}"));
+        let springs: usize = model.ties.iter().map(|tie| tie.shares.len()).sum();
+        (model.floors[0].area, model.floors[0].mass(), springs)
+    };
+    let straight = made(0.0);
+    for degrees in [10.0, 30.0, 44.0, 90.0, 150.0] {
+        let turned = made(degrees);
+        // Sums over facets with rotated coordinates.
+        assert!(
+            (turned.0 / straight.0 - 1.0).abs() < 1e-9,
+            "{degrees}: {turned:?}"
+        );
+        assert!(
+            (turned.1 / straight.1 - 1.0).abs() < 1e-9,
+            "{degrees}: {turned:?}"
+        );
+        assert_eq!(turned.2, straight.2, "{degrees}");
+    }
+}
+
+/// A wall that is turned against the first one is no side of its floor.
+#[test]
+fn sides_that_are_askew_are_refused() {
+    let text = two_walls("load = \"3 kN/m^2\"").replace(
+        &format!("at = [0, {SPAN}, 0]\n"),
+        &format!("at = [0, {SPAN}, 0]\nrotate = {{ axis = \"z\", angle = 20 }}\n"),
+    );
+    let bad = (
+        "name = \"first\"",
+        "name = \"first\"",
+        "floors.0.on",
+        "turned by 20.0 degrees",
+        "parallel",
+    );
+    refuses(&format!("{text}{GRAVITY}"), &[bad]);
+}
+
 #[test]
 fn a_floor_weighs_on_both_of_its_walls() {
     let (_, model) = deck_and_model(&format!("{}{GRAVITY}", two_walls("load = \"3 kN/m^2\"")));

@@ -60,6 +60,27 @@ fn piers_on_a_trough_lean_towards_its_middle() {
     }
 }
 
+/// Probes on the ground itself give the mean of its nodes, each with its part of the settlement.
+#[test]
+fn probes_on_the_ground_follow_its_shape() {
+    let tilt = "along = \"x\"\ntilt = { from = 0, to = 4100 }";
+    let probes: String = (0..3)
+        .map(|i| {
+            format!(
+                "[[probes]]\nname = \"foot-{i}\"\non = \"pier-{i}.bottom\"\ndirection = \"-z\"\n"
+            )
+        })
+        .collect();
+    let (_, model) = deck_and_model(&format!("{}{probes}{DRIVE}", piers(3, tilt)));
+    let recording = scene::completed(&model);
+    let feet = &recording.rows.last().expect("a row").probes[6..];
+    for (i, foot) in feet.iter().enumerate() {
+        // The middle of the pier is at 50 + 2000 i of 4100 mm.
+        let right = 20.0 * (50.0 + 2000.0 * i as f64) / 4100.0;
+        assert!((foot - right).abs() < 1e-9, "{feet:?}");
+    }
+}
+
 #[test]
 fn a_tilt_is_a_rigid_rotation_without_force() {
     let tilt = "along = \"x\"\ntilt = { from = 0, to = 100 }";

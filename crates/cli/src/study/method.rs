@@ -1,4 +1,4 @@
-//! Methods of the atlas: each sets a few keys of a step.
+//! Methods of the atlas: each sets a few keys of a step, or the modelling strategy.
 
 use super::case::Case;
 use wythe_core::deck::Deck;
@@ -7,7 +7,7 @@ use wythe_core::deck::schema::{DeckProcedure, DeckStep, StepKind};
 /// A key of a step and its value.
 type Key = (&'static str, &'static str);
 
-/// A method of solving a step.
+/// A method of solving a step, or a coarser model of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     /// Name in the atlas and on the command line.
@@ -18,15 +18,18 @@ pub struct Method {
     in_motion: Option<&'static [Key]>,
     /// Whether every material must have a density.
     needs_mass: bool,
+    /// Modelling strategy; none for that of the deck.
+    pub strategy: Option<&'static str>,
 }
 
 /// The methods of the atlas, in its order. No other place depends on their keys in the deck.
-pub const METHODS: [Method; 8] = [
+pub const METHODS: [Method; 10] = [
     Method {
         name: "auto",
         at_rest: &[],
         in_motion: Some(&[]),
         needs_mass: false,
+        strategy: None,
     },
     still(
         "static",
@@ -51,8 +54,22 @@ pub const METHODS: [Method; 8] = [
         at_rest: &[("procedure", "quasi_static")],
         in_motion: None,
         needs_mass: true,
+        strategy: None,
     },
+    coarser("simplified"),
+    coarser("rigid"),
 ];
+
+/// A modelling strategy, solved by `auto`.
+const fn coarser(strategy: &'static str) -> Method {
+    Method {
+        name: strategy,
+        at_rest: &[],
+        in_motion: Some(&[]),
+        needs_mass: false,
+        strategy: Some(strategy),
+    }
+}
 
 const fn still(
     name: &'static str,
@@ -64,6 +81,7 @@ const fn still(
         at_rest,
         in_motion,
         needs_mass: false,
+        strategy: None,
     }
 }
 
@@ -79,7 +97,9 @@ impl Method {
         {
             return Err(format!("{name} has no density"));
         }
-        let mut overrides = Vec::new();
+        let strategy = self.strategy.iter();
+        let strategy = strategy.map(|name| ("strategy".to_owned(), format!("\"{name}\"")));
+        let mut overrides: Vec<_> = strategy.collect();
         for (i, step) in deck.steps.iter().enumerate() {
             if !takes(case, i, step) {
                 continue;

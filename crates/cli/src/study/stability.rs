@@ -49,6 +49,8 @@ pub struct Study {
 struct Job {
     row: usize,
     method: String,
+    /// Whether the method is a modelling strategy, which the deck may not allow.
+    derived: bool,
     /// Overrides of the deck, or the reason why the method does not apply.
     overrides: Result<Vec<(String, String)>, String>,
 }
@@ -113,18 +115,20 @@ fn jobs_of(case: &Case, row: usize, options: &Options) -> Result<Vec<Job>, Study
     let of_atlas = METHODS
         .iter()
         .filter(|m| case.methods.is_empty() || options.methods.iter().any(|name| name == m.name))
-        .map(|m| (m.name.to_owned(), m.overrides(case, &deck).map(with)));
-    let own = case.methods.iter();
-    let own = own.map(|m| (m.name.clone(), Ok(with(m.set.clone()))));
-    let methods = of_atlas.chain(own);
-    let methods = methods.filter(|(name, _)| wanted(name));
-    Ok(methods
-        .map(|(method, overrides)| Job {
+        .map(|m| Job {
             row,
-            method,
-            overrides,
-        })
-        .collect())
+            method: m.name.to_owned(),
+            derived: m.strategy.is_some(),
+            overrides: m.overrides(case, &deck).map(with),
+        });
+    let own = case.methods.iter().map(|m| Job {
+        row,
+        method: m.name.clone(),
+        derived: false,
+        overrides: Ok(with(m.set.clone())),
+    });
+    let methods = of_atlas.chain(own);
+    Ok(methods.filter(|job| wanted(&job.method)).collect())
 }
 
 /// Rejects the name of a method that no case has.
@@ -169,18 +173,26 @@ fn cell(case: &Case, job: &Job, options: &Options, stop: &(dyn Fn() -> bool + Sy
         limit: options.limit,
         stop,
     };
-    let ran = on_one_thread(|| {
-        let deck = Deck::load(&case.deck, overrides).map_err(|e| e.to_string())?;
-        let (model, _) = Model::from_deck(&deck).map_err(|e| e.to_string())?;
-        run::run(&model, Nowhere, watch)
-    });
-    let run = match ran {
+    let refused = |why: String| {
+        if job.derived {
+            Verdict::Inapplicable(why)
+        } else {
+            Verdict::Broken(why)
+        }
+    };
+    let run = || {
+        let deck = Deck::load(&case.deck, overrides).map_err(|e| refused(e.to_string()))?;
+        let model = Model::from_deck(&deck).map_err(|e| refused(e.to_string()))?;
+        run::run(&model.0, Nowhere, watch).map_err(Verdict::Broken)
+    };
+    let ran = on_one_thread(|| Ok(run()));
+    let run = match ran.unwrap_or_else(|why| Err(Verdict::Broken(why))) {
         Ok(ran) => {
             cell.cost = ran.cost;
             ran.ended
         }
-        Err(why) => {
-            cell.verdict = Verdict::Broken(why);
+        Err(verdict) => {
+            cell.verdict = verdict;
             return cell;
         }
     };

@@ -9,11 +9,12 @@
 //! ```
 
 use super::bodies::Bodies;
-use super::quantity::{Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
+use super::plan::{self, PlanFrame};
+use super::quantity::{Angle, Density, Force, Length, Number, Pressure, Quantity, SpringStiffness};
 use super::rigid;
 use super::schema::{
-    Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Material, Names,
-    NotConvex, StepKind, Turning,
+    Deck, DeckBeam, DeckBlock, DeckContact, DeckLoad, DeckSpring, DeckStep, Direction, Material,
+    Names, NotConvex, Rotation, StepKind, Turning,
 };
 use crate::element::hexahedron::range;
 use crate::error::{ErrorKind, ModelError};
@@ -67,8 +68,10 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
 
 /// Position and stiffness of a beam.
 struct Laid {
-    /// Lowest corner [mm].
+    /// Lowest corner, with the least coordinates along the sides [mm].
     at: [f64; 3],
+    /// Angle from x to its first side [degrees].
+    angle: f64,
     /// Sizes [mm].
     size: [f64; 3],
     /// Young's modulus [MPa].
@@ -113,8 +116,8 @@ fn outline(
     let path = format!("beams.{i}.on");
     let places = bodies.places(&path, &beam.on, true)?;
     let nodes = bodies.nodes(&places);
-    let of = |d: usize| range(nodes.iter().map(|n| bodies.mesh.nodes[*n as usize][d]));
-    let [x, y, z] = [of(0), of(1), of(2)];
+    let x = || nodes.iter().map(|n| bodies.mesh.nodes[*n as usize]);
+    let z = range(x().map(|x| x[2]));
     let (vector, _) = bodies.area(&places);
     let level = z[1] - z[0] <= LEVEL && vector[2] > 0.0;
     if !level {
@@ -131,9 +134,18 @@ fn outline(
             )
             .of_kind(ErrorKind::Geometry));
     }
+    let faces = places.iter().filter_map(|place| {
+        let face = place.face?;
+        Some(&bodies.all[place.body].faces[face])
+    });
+    let facets = faces.flat_map(|face| &face.facets);
+    let angle = plan::angle(facets.map(|(_, facet)| facet.map(|n| bodies.mesh.nodes[n as usize])));
+    let frame = PlanFrame::of(angle);
+    let [u, v] = [0, 1].map(|d| range(x().map(|x| frame.plan(x)[d])));
     Ok(Laid {
-        at: [x[0], y[0], z[1]],
-        size: [x[1] - x[0], y[1] - y[0], beam.depth.get()],
+        at: frame.place([u[0], v[0]], z[1]),
+        angle,
+        size: [u[1] - u[0], v[1] - v[0], beam.depth.get()],
         modulus: modulus(bodies, &nodes),
     })
 }
@@ -159,7 +171,10 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
         name: name.clone(),
         size: Some(laid.size.map(Length::new)),
         at: laid.at.map(Length::new),
-        rotate: None,
+        rotate: (laid.angle != 0.0).then(|| Rotation {
+            axis: Direction::Z,
+            angle: Angle::new(laid.angle),
+        }),
         corners: None,
         nodes: None,
         file: None,

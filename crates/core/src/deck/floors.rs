@@ -11,10 +11,12 @@
 //!   └──────────────────────────┘
 //! ```
 //!
-//! Faces along x are sides that face each other along y, and faces along y those along x. Sides are taken in order, and
-//! the floor spans from each to the next. A floor with sides in both directions spans both ways, half of it each way.
+//! The first face gives the directions of the floor in plan, u along it and v across. Faces along u are sides that face
+//! each other along v, and faces along v those along u. Sides are taken in order, and the floor spans from each to the
+//! next. A floor with sides in both directions spans both ways, half of it each way.
 
 use super::bodies::Bodies;
+use super::plan::{self, PlanFrame};
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckFloor, Names};
 use crate::element::hexahedron::{area_vector, norm, range};
@@ -58,6 +60,8 @@ struct Bearing {
     nodes: [u32; 4],
     /// Its middle [mm].
     at: [f64; 3],
+    /// The same in plan, along u and v [mm].
+    plan: [f64; 2],
     /// Its area [mm²].
     area: f64,
     /// Half its extent along the side [mm].
@@ -77,7 +81,7 @@ struct Side {
 /// The floor between a side and the next.
 struct Bay<'a> {
     sides: [&'a Side; 2],
-    /// Axis along the sides.
+    /// Direction along the sides: u or v.
     along: usize,
     /// Where both sides are [mm].
     ends: [f64; 2],
@@ -97,7 +101,7 @@ impl Bay<'_> {
     /// Bearings of a side beside the bay.
     fn bearings(&self, side: usize) -> impl Iterator<Item = &Bearing> {
         let [low, high] = self.ends;
-        let within = move |b: &&Bearing| (low..=high).contains(&b.at[self.along]);
+        let within = move |b: &&Bearing| (low..=high).contains(&b.plan[self.along]);
         self.sides[side].bearings.iter().filter(within)
     }
 
@@ -114,7 +118,8 @@ impl Bay<'_> {
                 continue;
             };
             let is_new = joists.last().is_none_or(|[a, b]| {
-                first.at[self.along] > a.at[self.along] && second.at[self.along] > b.at[self.along]
+                first.plan[self.along] > a.plan[self.along]
+                    && second.plan[self.along] > b.plan[self.along]
             });
             if is_new {
                 joists.push([first, second]);
@@ -127,14 +132,14 @@ impl Bay<'_> {
     fn nearest(&self, side: usize, s: f64, step: f64) -> Option<&Bearing> {
         let middle = self.sides[side].across;
         let away = |b: &Bearing| {
-            let along = (b.at[self.along] - s).abs();
-            along + 1e-3 * (b.at[1 - self.along] - middle).abs()
+            let along = (b.plan[self.along] - s).abs();
+            along + 1e-3 * (b.plan[1 - self.along] - middle).abs()
         };
         let nearest = self
             .bearings(side)
             .min_by(|a, b| away(a).total_cmp(&away(b)))?;
         let reach = nearest.half + 0.5 * step;
-        ((nearest.at[self.along] - s).abs() <= reach).then_some(nearest)
+        ((nearest.plan[self.along] - s).abs() <= reach).then_some(nearest)
     }
 
     /// Width of the bay [mm].
@@ -148,7 +153,7 @@ impl Bay<'_> {
         let joists = self.joists(spacing);
         let (span, whole) = (self.span(), self.width());
         let between = |a: &[&Bearing; 2], b: &[&Bearing; 2]| {
-            let gaps = [0, 1].map(|side| b[side].at[self.along] - a[side].at[self.along]);
+            let gaps = [0, 1].map(|side| b[side].plan[self.along] - a[side].plan[self.along]);
             0.5 * (gaps[0] + gaps[1])
         };
         let gaps: Vec<f64> = joists.windows(2).map(|w| between(&w[0], &w[1])).collect();
@@ -310,14 +315,19 @@ fn hang(masses: &mut Vec<(u32, f64)>, on: &[&Bearing], mass: f64) {
     }
 }
 
-/// Sides that face each other along x, and those that face each other along y, in order.
+/// Sides that face each other along u, and those that face each other along v, in order.
 fn sides(
     deck: &Deck,
     bodies: &Bodies<'_>,
     path: &str,
     on: &Names,
 ) -> Result<[Vec<Side>; 2], ModelError> {
+    let wrong = |message: String, help: &str| {
+        let error = deck.error(path, message, help);
+        Err(error.of_kind(ErrorKind::Geometry))
+    };
     let mut sides = [Vec::new(), Vec::new()];
+    let mut first: Option<(f64, &str)> = None;
     for name in &on.0 {
         let places = bodies.places(path, &Names(vec![name.clone()]), true)?;
         let faces = places.iter().filter_map(|place| {
@@ -326,44 +336,57 @@ fn sides(
         });
         let facets: Vec<_> = faces.flat_map(|face| &face.facets).collect();
         let corners = |nodes: &[u32; 4]| nodes.map(|n| bodies.mesh.nodes[n as usize]);
+        let angle = plan::angle(facets.iter().map(|(_, nodes)| corners(nodes)));
+        let (floor, of) = *first.get_or_insert((angle, name));
+        let apart = plan::away(angle, floor).abs();
+        if apart > plan::PARALLEL {
+            let message = format!("{name} is turned by {apart:.1} degrees against {of}");
+            return wrong(
+                message,
+                "sides of a floor are parallel or at right angles in plan",
+            );
+        }
+        let frame = PlanFrame::of(floor);
         let extent = |axis: usize| {
             let all = facets.iter().flat_map(|(_, nodes)| corners(nodes));
-            range(all.map(|x| x[axis]))
+            range(all.map(|x| frame.plan(x)[axis]))
         };
-        let [x, y] = [extent(0), extent(1)];
-        let (long_x, long_y) = (x[1] - x[0], y[1] - y[0]);
-        if (long_x - long_y).abs() <= 0.1 * long_x.max(long_y) {
-            return Err(deck
-                .error(
-                    path,
-                    format!("{name} is {long_x:.0} by {long_y:.0} mm in plan: a side of a floor lies along x or y"),
-                    "name faces of walls along x or y",
-                )
-                .of_kind(ErrorKind::Geometry));
+        let [u, v] = [extent(0), extent(1)];
+        let (long_u, long_v) = (u[1] - u[0], v[1] - v[0]);
+        if (long_u - long_v).abs() <= 0.1 * long_u.max(long_v) {
+            let message = format!(
+                "{name} is {long_u:.0} by {long_v:.0} mm in plan: a side of a floor is long and narrow"
+            );
+            return wrong(message, "name faces of walls");
         }
-        let along = usize::from(long_y > long_x);
+        let along = usize::from(long_v > long_u);
         let bearings: Vec<Bearing> = facets
             .iter()
             .map(|(element, nodes)| {
                 let corners = corners(nodes);
                 let middle = |d: usize| 0.25 * corners.iter().map(|x| x[d]).sum::<f64>();
                 let at = [0, 1, 2].map(middle);
-                let reach = corners.iter().map(|x| (x[along] - at[along]).abs());
+                let plan = frame.plan(at);
+                let reach = corners
+                    .iter()
+                    .map(|x| (frame.plan(*x)[along] - plan[along]).abs());
                 Bearing {
                     element: *element,
                     nodes: *nodes,
                     at,
+                    plan,
                     area: norm(area_vector(&corners)),
                     half: reach.fold(0.0, f64::max),
                 }
             })
             .collect();
-        let across = bearings.iter().map(|b| b.at[1 - along]).sum::<f64>() / bearings.len() as f64;
+        let across = bearings.iter().map(|b| b.plan[1 - along]).sum::<f64>();
+        let across = across / bearings.len() as f64;
         sides[1 - along].push(Side {
             name: name.clone(),
             bearings,
             across,
-            ends: [x, y][along],
+            ends: [u, v][along],
         });
     }
     for sides in &mut sides {
@@ -392,9 +415,8 @@ fn bays<'a>(
     for (span, sides) in sides.iter().enumerate() {
         let along = 1 - span;
         if let [alone] = &sides[..] {
-            let axis = ["x", "y"][span];
             return wrong(
-                format!("no face lies opposite {} along {axis}", alone.name),
+                format!("no face lies opposite {}", alone.name),
                 "a floor spans between faces; a `mass` alone may hang on one face",
             );
         }

@@ -6,7 +6,9 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
-use super::schema::{Deck, DeckSettlement, DeckStep, Heading, Names, StepKind, Vertical};
+use super::schema::{
+    Deck, DeckBlock, DeckSettlement, DeckStep, Heading, Names, StepKind, Vertical,
+};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::amplitude::Amplitude;
 use crate::model::scene::{Beam, BeamMotion, Driven, GroundMotion, Spring, Step, Stop, Support};
@@ -74,12 +76,16 @@ pub(super) fn loading(
             }
         }
         // The history records the driven face; before a drive, the face of the next drive.
-        let driven = deck.steps[i..].iter().find_map(|s| {
+        let drives = |s: &DeckStep| {
             (s.kind == StepKind::Drive).then(|| Some(driven_along(beam_of(s)?, s)))?
-        });
-        // In a wall that is never driven it records the load on top.
-        let upwards = || top.then_some(Driven::along(0, 2));
-        let driven = driven.or_else(|| upwards().filter(|_| beam == Some(0)));
+        };
+        let driven = deck.steps[i..].iter().find_map(drives);
+        // Of the top of a wall after its drive the same, and of one that is never driven the load on top.
+        let top_of_wall = || {
+            let before = deck.steps[..i].iter().rev().find_map(drives);
+            before.or_else(|| top.then_some(Driven::along(0, 2)))
+        };
+        let driven = driven.or_else(|| top_of_wall().filter(|_| beam == Some(0)));
         let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
         let pressed = beam.and_then(|b| Some(Driven::along(b, normal(b)?)));
         let rules = errors.keep(rules(deck, i, step, &mut gravity));
@@ -303,6 +309,7 @@ fn ground(
         area: 0.0,
         normal: [0.0; 3],
         shape,
+        depth: 0.0,
     })
 }
 
@@ -346,6 +353,13 @@ fn beam(
     let nodes = bodies.nodes(&places);
     require_apart(deck, &path, &name, &nodes, beams)?;
     let (vector, area) = bodies.area(&places);
+    // The top of one of `[[beams]]`: its depth is a part of it, not of the wall.
+    let is_beam = deck.said(&path).ends_with(".beam");
+    let below = |block: &DeckBlock| is_beam && name == format!("{}.top", block.name);
+    let block = deck.blocks.iter().find(|block| below(block));
+    let depth = block
+        .and_then(|block| block.size)
+        .map_or(0.0, |size| size[2].get());
     let length = crate::element::hexahedron::norm(vector);
     Ok(Beam {
         name,
@@ -357,6 +371,7 @@ fn beam(
             [0.0; 3]
         },
         shape: Vec::new(),
+        depth,
     })
 }
 

@@ -30,6 +30,7 @@ mod name_registry;
 mod overlap;
 mod overrides;
 mod pairing;
+mod plan;
 mod probes;
 pub mod quantity;
 mod rigid;

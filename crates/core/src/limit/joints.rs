@@ -337,32 +337,35 @@ pub fn convex_outline(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     hull(points).into_iter().map(Into::into).collect()
 }
 
-/// Convex hull, counter-clockwise (Andrew 1979). Points on its edges are left out.
-fn hull(mut points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let reach = points
-        .iter()
-        .map(|p| (p - points[0]).norm())
-        .fold(0.0, f64::max);
-    let straight = 1e-9 * reach * reach;
-    let half = |points: &mut dyn Iterator<Item = &Vector2<f64>>| {
-        let mut chain: Vec<Vector2<f64>> = Vec::new();
-        for p in points {
-            while let [.., a, b] = chain[..] {
-                let turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-                if turn > straight {
-                    break;
-                }
-                chain.pop();
-            }
-            chain.push(*p);
-        }
-        chain.pop();
-        chain
+/// Convex hull, counter-clockwise (Jarvis 1973). Points on its edges are left out, whatever the rounding of the points:
+/// of points on one line from a corner the farthest is the next corner.
+fn hull(points: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len().max(1) as f64;
+    let far = |a: &&Vector2<f64>, b: &&Vector2<f64>| {
+        (*a - middle).norm().total_cmp(&(*b - middle).norm())
     };
-    let mut lower = half(&mut points.iter());
-    lower.extend(half(&mut points.iter().rev()));
-    lower
+    // The point that is farthest from any place is a corner.
+    let Some(start) = points.iter().max_by(far) else {
+        return points;
+    };
+    let reach = (start - middle).norm();
+    let (same, straight) = (1e-9 * reach, 1e-9 * reach * reach);
+    let mut corners = vec![*start];
+    while corners.len() <= points.len() {
+        let from = corners[corners.len() - 1];
+        let others = points.iter().filter(|p| (*p - from).norm() > same);
+        let next = others.copied().reduce(|next, p| {
+            let (a, b) = (next - from, p - from);
+            let turn = a.x * b.y - a.y * b.x;
+            let beyond = turn.abs() <= straight && b.norm() > a.norm();
+            if turn < -straight || beyond { p } else { next }
+        });
+        match next {
+            Some(next) if (next - start).norm() > same => corners.push(next),
+            _ => break,
+        }
+    }
+    corners
 }
 
 #[cfg(test)]
@@ -403,5 +406,30 @@ mod tests {
         let hull = hull(points.map(|[x, y]| Vector2::new(x, y)).to_vec());
         assert_eq!(hull.len(), 4);
         assert_eq!(area(&hull), 2.0);
+    }
+
+    /// Rounding of points on one edge, in any order, loses no corner.
+    #[test]
+    fn a_hull_is_the_same_at_any_angle() {
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for i in 0..4 {
+            for j in 0..3 {
+                // Corners of facets, each once for every facet.
+                points.extend([[100.0 * f64::from(i), 50.0 * f64::from(j)]; 2]);
+            }
+        }
+        for degrees in 0..180 {
+            let (s, c) = f64::from(degrees).to_radians().sin_cos();
+            for first in 0..points.len() {
+                let turned = (0..points.len()).map(|k| {
+                    let [x, y] = points[(first + 7 * k) % points.len()];
+                    Vector2::new(c * x - s * y, s * x + c * y)
+                });
+                let hull = hull(turned.collect());
+                assert_eq!(hull.len(), 4, "{degrees}");
+                // Rounding of the rotation.
+                assert!((area(&hull) - 3e4).abs() < 1e-9 * 3e4, "{degrees}");
+            }
+        }
     }
 }

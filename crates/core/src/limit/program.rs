@@ -91,6 +91,9 @@ pub struct Solution {
     /// Work of the pressures on corners that open or close as they slide, over that of the live loads; that of the
     /// dilatancy if it is associated [-].
     pub opening_work: f64,
+    /// Largest velocity by which a corner closes, over the largest relative velocity of a corner [-]: bodies would pass
+    /// through each other where slips are allowed that do not happen.
+    pub closing: f64,
 }
 
 /// Factor below which the gap is relative to this one instead.
@@ -180,8 +183,11 @@ impl Program<'_> {
         let moved = self.corner_velocities(&program, &answer.y);
         let opening_work = self.opening_work(&answer.x, &moved) / size;
         let fastest = moved.iter().map(|v| v[0].hypot(v[1]));
+        let fastest = fastest.fold(0.0, f64::max);
+        let closing = moved.iter().fold(0.0, |most: f64, v| most.max(-v[0]));
         Ok(Solution {
-            fastest: fastest.fold(0.0, f64::max),
+            fastest,
+            closing: closing / fastest.max(f64::MIN_POSITIVE),
             slips: moved.into_iter().map(|[_, slip]| slip).collect(),
             opening_work,
             factor: without_noise(factor) * live,

@@ -30,6 +30,19 @@ impl Drive {
         })
     }
 
+    /// The direction with the sense in which a step moves it.
+    fn sense_of(self, step: &Step) -> [f64; 3] {
+        let way = if self.spring {
+            let by = step.springs.get(self.index).copied().unwrap_or_default();
+            (0..3).map(|i| self.direction[i] * by[i]).sum::<f64>()
+        } else {
+            step.driven
+                .and_then(|driven| driven.way(step))
+                .unwrap_or(1.0)
+        };
+        self.direction.map(|part| part * way.signum())
+    }
+
     /// Whether another drive moves the same along the same line.
     fn is_like(self, other: Self) -> bool {
         let along = (0..3).map(|i| self.direction[i] * other.direction[i]);
@@ -98,5 +111,17 @@ impl Model {
             _ => rest,
         };
         self.steps.iter().map(of).collect()
+    }
+
+    /// Direction of the drive whose force is the curve, as it moves first, or of the live load in a model that drives
+    /// nothing; none if there is neither.
+    pub(super) fn direction_of_curve(&self) -> Option<[f64; 3]> {
+        match self.steps.iter().rev().find_map(Drive::of) {
+            Some(last) => self.steps.iter().find_map(|step| {
+                let own = Drive::of(step).filter(|own| own.is_like(last))?;
+                Some(own.sense_of(step))
+            }),
+            None => Some(self.loads.get(self.live_load()?)?.direction),
+        }
     }
 }

@@ -69,9 +69,9 @@ impl Model {
             return Vec::new();
         }
         let sum = |axis: usize| supports().map(|(_, force)| force[axis]).sum::<f64>();
-        let base_shear = match Drive::of(self).filter(|drive| drive.axis != 2) {
+        let base_shear = match Drive::of(self).and_then(Drive::sideways) {
             // 0 − x has no negative zero.
-            Some(drive) => 0.0 - drive.sense * sum(drive.axis),
+            Some([x, y]) => 0.0 - (x * sum(0) + y * sum(1)),
             None => sum(0).hypot(sum(1)),
         };
         let held = supports().flat_map(|(support, force)| {

@@ -180,6 +180,8 @@ pub struct Beam {
     /// Part of the beam's displacement that each node makes: the shape of a settlement; empty if all move alike.
     /// `[node of the beam]`
     pub shape: Vec<f64>,
+    /// Depth of a loading beam below these nodes, which are its top [mm]; 0 of a face.
+    pub depth: f64,
 }
 
 impl Beam {

@@ -78,15 +78,16 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
 }
 
 /// Height between the supports below, which hold vertically, and the driven part above [mm]: the lowest node of a
-/// driven beam, or the mean of the nodes of a spring whose end is driven. `None` if nothing is driven sideways, or not
-/// above the supports.
+/// driven face, the underside of a beam that stays level, or the mean of the nodes of a spring whose end is driven.
+/// `None` if nothing is driven sideways, or not above the supports.
 pub fn clear_height(model: &Model) -> Option<f64> {
     let height = |n: &u32| model.mesh.nodes[*n as usize][2];
     let of_beam = |step: &Step| {
         let driven = step.driven?;
         let moves = driven.way(step).is_some() && driven.direction[2] == 0.0;
-        let nodes = model.beams.get(driven.beam)?.nodes.iter();
-        moves.then(|| nodes.map(height).fold(f64::INFINITY, f64::min))
+        let beam = model.beams.get(driven.beam)?;
+        let lowest = || beam.nodes.iter().map(height).fold(f64::INFINITY, f64::min);
+        moves.then(|| lowest() - beam.depth)
     };
     let of_spring = |step: &Step| {
         let sideways = |by: &[f64; 3]| by[0] != 0.0 || by[1] != 0.0;

@@ -16,6 +16,10 @@ pub struct Curve {
     /// Whether the force includes inertia, so that it cannot be a peak. `[increment]`
     moving: Vec<bool>,
     motion: Motion,
+    /// Whether another drive came before, so that the start is found from the first two points.
+    follows_another: bool,
+    /// Parts of the step at which the first two points lie.
+    parts: Vec<f64>,
 }
 
 /// Use of a step in the curve.
@@ -59,6 +63,12 @@ const INITIAL: f64 = 0.1;
 /// Fraction of the peak force below which a lower force at the same displacement counts as a loss.
 const LOST: f64 = 0.995;
 
+/// Part of its range by which a drive that turns back moves at least.
+const BACK: f64 = 0.01;
+
+/// Part of the farthest travel by which the rounding of summed increments may miss it.
+const ROUNDING: f64 = 1e-9;
+
 impl Curve {
     /// Adds an increment. An increment before the first driven one moves the start of the curve, unless it shows another
     /// drive. A later increment of a step without a drive (a pause) is ignored.
@@ -69,8 +79,27 @@ impl Curve {
         if of.driven {
             self.points.push(point);
             self.moving.push(moving);
-        } else if self.points.is_empty() && !of.other {
+            if self.follows_another && self.points.len() <= 2 {
+                self.parts.push(row.load_factor);
+                self.extrapolate_start();
+            }
+        } else if of.other {
+            self.follows_another |= self.points.is_empty();
+        } else if self.points.is_empty() {
             self.start = point;
+            self.follows_another = false;
+        }
+    }
+
+    /// The start of a drive that follows another one, whose rows show the other force: the point on the line through the
+    /// first two points at which the step begins.
+    fn extrapolate_start(&mut self) {
+        if let ([a, b], [from, to]) = (&self.points[..], &self.parts[..])
+            && *from > 0.0
+            && to > from
+        {
+            let back = from / (to - from);
+            self.start = (a.0 - back * (b.0 - a.0), a.1 - back * (b.1 - a.1));
         }
     }
 
@@ -81,7 +110,7 @@ impl Curve {
             start: *start,
             points: points.to_vec(),
             moving: vec![false; points.len()],
-            motion: Motion::default(),
+            ..Self::default()
         }
     }
 
@@ -198,16 +227,53 @@ impl Curve {
         sign * (force - before)
     }
 
-    /// Whether the force has fallen below its largest value, which makes that value a peak.
+    /// Whether the force has fallen below its largest value, which makes that value a peak. Unloading is no fall.
     pub fn passes_peak(&self) -> bool {
         let (Some(peak), Some(last)) = (self.peak(), self.points.last()) else {
             return false;
         };
-        if self.turns_back() {
+        if self.unloads() {
             return self.loses(peak);
         }
         let side = (peak.displacement - self.start.0).signum();
         side * last.1 < LOST * side * peak.force
+    }
+
+    /// Whether the drive moves back, by more than a hundredth of its range.
+    fn unloads(&self) -> bool {
+        let Some(peak) = self.peak() else {
+            return false;
+        };
+        let side = (peak.displacement - self.start.0).signum();
+        let out = || {
+            let all = std::iter::once(&self.start).chain(&self.points);
+            all.map(|p| side * (p.0 - self.start.0))
+        };
+        let (low, high) = out().fold((0.0_f64, 0.0_f64), |(low, high), d| {
+            (low.min(d), high.max(d))
+        });
+        let mut farthest = f64::NEG_INFINITY;
+        out().any(|d| {
+            farthest = farthest.max(d);
+            d < farthest - BACK * (high - low)
+        })
+    }
+
+    /// Increments in equilibrium on one side of the start that reach at least the farthest earlier travel there: the
+    /// envelope of the loops, or all of a drive that only goes out. Travel and force along the side. `[point]`
+    pub(super) fn envelope(&self, side: f64) -> Vec<(f64, f64)> {
+        let unloads = self.unloads();
+        let mut farthest = 0.0_f64;
+        let mut points = Vec::with_capacity(self.points.len());
+        for (_, &(displacement, force)) in self.in_equilibrium() {
+            let travel = side * (displacement - self.start.0);
+            if unloads && (travel <= 0.0 || travel < farthest * (1.0 - ROUNDING)) {
+                continue;
+            }
+            farthest = farthest.max(travel);
+            points.push((travel, side * force));
+        }
+        points
     }
 
     /// Word for the largest force in texts.
@@ -219,40 +285,39 @@ impl Curve {
         }
     }
 
-    /// Whether a cyclic drive later reaches the displacement of the peak, or a larger one, with a lower force.
+    /// Whether a drive that turns back later reaches the farthest displacement on the side of the peak, or a larger one,
+    /// with a lower force.
     pub fn loses(&self, peak: Peak) -> bool {
         let side = (peak.displacement - self.start.0).signum();
         let out = |d: f64| side * (d - self.start.0);
-        let far = out(peak.displacement) * (1.0 - 1e-9); // tolerance for the rounding of summed increments
-        let after = self.points.iter().skip(peak.index + 1);
-        let mut outer = after.filter(|p| out(p.0) >= far);
-        outer.any(|p| side * p.1 < LOST * side * peak.force)
+        let before = self.points[..=peak.index].iter().map(|p| out(p.0));
+        let mut farthest = before.fold(0.0, f64::max);
+        let mut after = self.points.iter().skip(peak.index + 1);
+        after.any(|p| {
+            let outer = out(p.0) >= farthest * (1.0 - ROUNDING);
+            farthest = farthest.max(out(p.0));
+            outer && side * p.1 < LOST * side * peak.force
+        })
     }
 
     /// Displacement after the peak at which the force first falls to 0.8 of the peak, linear between increments [mm];
-    /// `None` if it never does. In a cyclic drive only increments count that reach at least the largest earlier
-    /// displacement on the side of the peak, because unloading is not a loss of strength.
+    /// `None` if it never does. Where the drive turns back only increments count that reach at least the largest
+    /// earlier displacement on the side of the peak, because unloading is not a loss of strength.
     pub fn displacement_at_80_percent(&self) -> Option<f64> {
         let peak = self.peak()?;
-        let target = 0.8 * peak.force;
-        let sign = peak.force.signum();
-        let after = &self.points[peak.index..];
-        if self.turns_back() {
-            let side = (peak.displacement - self.start.0).signum();
-            let out = |p: &(f64, f64)| side * (p.0 - self.start.0);
-            let mut farthest = self.points[..peak.index]
-                .iter()
-                .map(out)
-                .fold(0.0, f64::max);
-            let down = after.iter().find(|p| {
-                let outermost = out(p) >= farthest * (1.0 - 1e-9); // see `loses`
-                farthest = farthest.max(out(p));
-                outermost && sign * p.1 <= sign * target
-            });
-            return down.map(|p| p.0);
-        }
-        let i = after.iter().position(|p| sign * p.1 <= sign * target)?;
-        Some(crossing(after[i.checked_sub(1)?], after[i], target))
+        let side = (peak.displacement - self.start.0).signum();
+        let sign = (side * peak.force).signum();
+        let points: Vec<_> = self
+            .envelope(side)
+            .iter()
+            .map(|p| (p.0, sign * p.1))
+            .collect();
+        let target = 0.8 * peak.force.abs();
+        let first = points.iter().position(|p| p.1 >= peak.force.abs())?;
+        let after = &points[first..];
+        let i = after.iter().position(|p| p.1 <= target)?;
+        let travel = crossing(after[i.checked_sub(1)?], after[i], target);
+        Some(self.start.0 + side * travel)
     }
 
     /// Initial stiffness [kN/mm]: secant from the start of the drive to the point where the force has first risen by
@@ -347,6 +412,64 @@ mod tests {
         (3.0, 45.0),
         (4.0, 30.0),
     ];
+
+    /// Unloading that the drive asks for is no loss of strength.
+    #[test]
+    fn unloading_is_no_fall() {
+        let path = [
+            (0.5, 10.0),
+            (0.2, 3.0),
+            (0.5, 9.9),
+            (1.0, 9.0),
+            (2.0, 8.5),
+            (3.0, 8.2),
+        ];
+        let out = curve(&[], &path);
+        assert_eq!(out.displacement_at_80_percent(), None);
+        assert!(out.passes_peak());
+        let mut fallen = path.to_vec();
+        fallen.push((4.0, 7.8));
+        // 8 kN between 8.2 and 7.8 kN.
+        assert_relative_eq!(
+            curve(&[], &fallen).displacement_at_80_percent().unwrap(),
+            3.5,
+            epsilon = 1e-12
+        );
+        // A perfect slider loses nothing in its loops.
+        let slider = [
+            (0.1, 10.0),
+            (5.0, 10.0),
+            (4.8, -10.0),
+            (-5.0, -10.0),
+            (-4.8, 10.0),
+            (5.0, 10.0),
+            (4.9, 0.0),
+        ];
+        assert!(!curve(&[], &slider).passes_peak());
+    }
+
+    /// A drive that follows another one begins where its step does.
+    #[test]
+    fn a_second_drive_begins_at_its_own_force() {
+        let mut curve = Curve::default();
+        let of = |driven, other| StepOfCurve {
+            driven,
+            other,
+            seeks_equilibrium: true,
+        };
+        let row = |d: f64, f: f64, part: f64| HistoryRow {
+            displacement_mm: d,
+            force_kN: f,
+            load_factor: part,
+            ..HistoryRow::default()
+        };
+        curve.push(&row(3.0, 50.0, 1.0), of(false, true));
+        curve.push(&row(0.1, 7.0, 0.1), of(true, false));
+        curve.push(&row(0.3, 17.0, 0.3), of(true, false));
+        let (d, f) = curve.start();
+        assert_relative_eq!(d, 0.0, epsilon = 1e-12);
+        assert_relative_eq!(f, 2.0, epsilon = 1e-12);
+    }
 
     #[test]
     fn a_wall_is_read_by_hand() {

@@ -73,11 +73,19 @@ class Results(RunFigures):
         direction = self.answers["drive_direction"]
         if direction is None or direction.endswith("z"):
             return None
-        sense, axis = (-1.0 if direction.startswith("-") else 1.0), "xy".index(direction[-1])
+        if direction.startswith("("):
+            parts = [float(part) for part in direction[1:-1].split(",")]
+        else:
+            sense = -1.0 if direction.startswith("-") else 1.0
+            parts = [sense * (direction[-1] == axis) for axis in "xyz"]
+        x, y, z = parts
+        if abs(z) > max(abs(x), abs(y)):
+            return None
+        length = float(np.hypot(x, y))
         supports = [of for name, of in self.reactions.items() if name.startswith("supports/")]
         if not supports:
             return None
-        along: Floats = -1e-3 * sense * np.sum([of[:, axis] for of in supports], axis=0)
+        along: Floats = -1e-3 / length * np.sum([x * of[:, 0] + y * of[:, 1] for of in supports], axis=0)
         return along
 
     @property

@@ -57,7 +57,9 @@ impl Deck {
         let carried = self.floors.iter().map(|f| &f.on);
         let all = all.chain(taken_off).chain(cut).chain(moved);
         let covered = self.layers.iter().map(|layer| &layer.on);
-        let all = all.chain(laid).chain(carried).chain(covered);
+        let loads = self.steps.iter().flat_map(|step| &step.loads);
+        let loaded = loads.filter_map(|load| load.on.as_ref());
+        let all = all.chain(laid).chain(carried).chain(covered).chain(loaded);
         all.flat_map(|Names(names)| names.iter().map(String::as_str))
     }
 }

@@ -447,6 +447,11 @@ impl Deck {
         self.source.stands_for(path, from);
     }
 
+    /// The key of the file to which a path belongs.
+    pub(super) fn said<'a>(&'a self, path: &'a str) -> &'a str {
+        self.source.said(path)
+    }
+
     /// Returns whether the scene has blocks, imported bodies or an arch.
     pub fn has_blocks(&self) -> bool {
         !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()

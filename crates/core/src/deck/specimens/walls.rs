@@ -270,13 +270,22 @@ fn shear(specimen: &Specimen, top: Top) -> Vec<SpecimenDeck> {
     SpecimenDeck::for_each_pressure(specimen, deck)
 }
 
+/// Depth of the beam of a cantilever [mm].
+const BEAM_DEPTH: f64 = 200.0;
+
 /// Drifts of the cyclic protocol [%].
 const DRIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.3, 0.4, 0.6];
 
 /// The table `[test]`, the beam and the steps.
 #[expect(clippy::too_many_lines, reason = "most lines are the text of a deck")]
 fn steps(specimen: &Specimen, top: Top, p: &str, [length, height]: [f64; 2]) -> String {
-    let sizes = [length, specimen.unit[1], height].map(mm);
+    // The middle of a beam that turns is what moves.
+    let driven_at = if top == Top::Turning {
+        height + 0.5 * BEAM_DEPTH
+    } else {
+        height
+    };
+    let sizes = [length, specimen.unit[1], driven_at].map(mm);
     let mut text = String::new();
     tables(
         &mut text,
@@ -298,7 +307,7 @@ on = "wall.bottom"
 [[beams]]
 name = "beam"
 on = "wall.top"
-depth = "200 mm"
+depth = "{BEAM_DEPTH} mm"
 rotation = "free"
 interface = "{}"
 

@@ -260,6 +260,7 @@ impl Cut<'_> {
             area: 0.5 * beam.area,
             normal: beam.normal,
             shape: Vec::new(),
+            depth: beam.depth,
         })
     }
 

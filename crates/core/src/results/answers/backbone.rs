@@ -5,21 +5,20 @@ use crate::results::curve::crossing;
 
 /// A curve along one side of the drive: travel since the start of the drive and force, both positive along that side.
 ///
-/// Of a drive that only goes out it has all increments. Of a drive to and fro it has those that reach at least the
+/// Of a drive that only goes out it has all increments. Of a drive that turns back it has those that reach at least the
 /// farthest earlier travel on the side, which is the envelope of the loops. Increments in which `auto` follows the
 /// inertial motion between two equilibria are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Backbone {
     /// (travel [mm], force [kN]); the first is the start of the drive.
     points: Vec<(f64, f64)>,
+    /// All increments in equilibrium, in order of time, the start first.
+    all: Vec<(f64, f64)>,
     /// 1, or −1 for the side of negative displacements.
     side: f64,
     /// Displacement at the start of the drive [mm].
     start: f64,
 }
-
-/// Part of the farthest travel by which rounding may miss it.
-const ROUNDING: f64 = 1e-9;
 
 impl Backbone {
     /// The side of the peak, or the other one if `opposite`; `None` if the drive has not moved there.
@@ -28,20 +27,18 @@ impl Backbone {
         let (start, force) = curve.start();
         let to = (peak.displacement - start).signum();
         let side = if opposite { -to } else { to };
-        let turns = curve.turns_back();
         let mut points = vec![(0.0, side * force)];
-        let mut farthest = 0.0_f64;
-        for (_, &(displacement, force)) in curve.in_equilibrium() {
-            let travel = side * (displacement - start);
-            if turns && (travel <= 0.0 || travel < farthest * (1.0 - ROUNDING)) {
-                continue;
-            }
-            farthest = farthest.max(travel);
-            points.push((travel, side * force));
-        }
-        let moved = points.len() > 1 && farthest > 0.0;
+        let mut all = points.clone();
+        points.extend(curve.envelope(side));
+        all.extend(
+            curve
+                .in_equilibrium()
+                .map(|(_, p)| (side * (p.0 - start), side * p.1)),
+        );
+        let moved = points.iter().any(|p| p.0 > 0.0);
         moved.then_some(Self {
             points,
+            all,
             side,
             start,
         })
@@ -86,15 +83,26 @@ impl Backbone {
         Some(a.1 + part * (b.1 - a.1))
     }
 
-    /// Secant stiffness from the start to the point where the force has first risen by `part` of its rise to the peak,
-    /// linear between increments [kN/mm]; `None` if there is no rise.
+    /// Secant stiffness to the point where the force has first risen by `part` of its rise to the peak, linear between
+    /// increments [kN/mm]; `None` if there is no rise. It counts from the start, or, where the drive has come back from
+    /// the other side, from the point at which the force was zero: a joint that slid has another displacement there.
     pub fn secant(&self, part: f64) -> Option<f64> {
         let from = self.points[0].1;
-        let rise = part * (self.points[self.peak()].1 - from);
-        let i = self.points.iter().position(|p| p.1 - from >= rise)?;
-        let (a, b) = (self.points[i.checked_sub(1)?], self.points[i]);
-        let travel = crossing(a, b, from + rise);
-        (rise > 0.0 && travel > 0.0).then_some(rise / travel)
+        let most = self.points[self.peak()].1;
+        let target = from + part * (most - from);
+        let i = self.all.iter().position(|p| p.0 > 0.0 && p.1 >= target)?;
+        let rising = &self.all[..=i];
+        let zero = rising
+            .windows(2)
+            .rposition(|p| p[0].1 <= 0.0 && p[1].1 > 0.0);
+        let turned = |k: &usize| rising[..=*k].windows(2).any(|p| p[1].0 < p[0].0);
+        let begin = match zero.filter(turned) {
+            Some(k) => (crossing(rising[k], rising[k + 1], 0.0), 0.0),
+            None => self.all[0],
+        };
+        let before = self.all[i.checked_sub(1)?];
+        let travel = crossing(before, self.all[i], target) - begin.0;
+        (target > begin.1 && travel > 0.0).then(|| (target - begin.1) / travel)
     }
 
     /// The part up to the first fall to `part` of the peak after it, linear between increments, and whether the force
@@ -126,6 +134,34 @@ pub fn area(points: &[(f64, f64)]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A slider of 100 kN/mm and 10 kN, driven to and fro: both sides have its stiffness, and the same at any size of
+    /// the increments past zero.
+    #[test]
+    fn both_sides_of_a_slider_have_its_stiffness() {
+        let slider = |first: f64| {
+            Curve::of_points(&[
+                (0.0, 0.0),
+                (0.1, 10.0),
+                (5.0, 10.0),
+                (4.9, 0.0),
+                (4.8, -10.0),
+                (0.0, -10.0),
+                (-first, -10.0),
+                (-5.0, -10.0),
+            ])
+        };
+        for first in [1e-3, 0.5] {
+            for opposite in [false, true] {
+                let side = Backbone::of(&slider(first), opposite).unwrap();
+                // A few operations.
+                assert!(
+                    (side.secant(0.7).unwrap() - 100.0).abs() < 1e-9,
+                    "{first} {opposite}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn a_cyclic_drive_has_an_envelope_on_either_side() {

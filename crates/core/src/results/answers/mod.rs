@@ -161,9 +161,9 @@ impl Answers {
         if self.reactions_at_peak_kN.is_empty() {
             return;
         }
-        let drive = Drive::of(model).filter(|drive| drive.axis != 2);
-        self.base_shear_at_peak_kN = drive.map(|drive| {
-            let along = |force: &[f64; 3]| -drive.sense * force[drive.axis];
+        let sideways = Drive::of(model).and_then(Drive::sideways);
+        self.base_shear_at_peak_kN = sideways.map(|[x, y]| {
+            let along = |force: &[f64; 3]| -(x * force[0] + y * force[1]);
             self.reactions_at_peak_kN.values().map(along).sum()
         });
     }

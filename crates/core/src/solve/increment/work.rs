@@ -50,6 +50,29 @@ impl Newton<'_> {
         }
     }
 
+    /// Work of the forces on beams and on ends of springs from `state` to `trial`, by the trapezoidal rule [N mm].
+    pub(in crate::solve) fn driven_work(
+        &self,
+        system: &System,
+        state: &State,
+        trial: &Trial,
+    ) -> f64 {
+        let of_beam = |slot: usize| {
+            let force = state.applied[slot] + self.applied(system, trial, slot);
+            0.5 * force * (self.q[slot] - state.q[slot])
+        };
+        let beams = (system.dofs.beam_start..system.dofs.slots).map(of_beam);
+        let forces = system.spring_forces(trial);
+        let springs = forces.iter().enumerate().map(|(s, force)| {
+            let along = |i: usize| {
+                let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
+                0.5 * (state.spring_forces[s][i] + force[i]) * way
+            };
+            (0..3).map(along).sum::<f64>()
+        });
+        beams.sum::<f64>() + springs.sum::<f64>()
+    }
+
     /// Energy account of the increment that ends at `trial`, by the trapezoidal rule. `dq`: displacements of the
     /// increment [mm] `[slot]`
     pub(in crate::solve) fn account(
@@ -64,18 +87,11 @@ impl Newton<'_> {
         energies.numerical += system.crossing_work(self.model, state, trial)
             + system.turning_work(self.model, state, trial);
         let mut applied = state.applied.clone();
-        for slot in system.dofs.beam_start..system.dofs.slots {
-            let now = self.applied(system, trial, slot);
-            energies.external += 0.5 * (state.applied[slot] + now) * dq[slot];
-            applied[slot] = now;
+        for (slot, force) in applied.iter_mut().enumerate().skip(system.dofs.beam_start) {
+            *force = self.applied(system, trial, slot);
         }
+        energies.external += self.driven_work(system, state, trial);
         let spring_forces = system.spring_forces(trial);
-        for (s, force) in spring_forces.iter().enumerate() {
-            for i in 0..3 {
-                let way = trial.spring_ends[s][i] - state.spring_ends[s][i];
-                energies.external += 0.5 * (state.spring_forces[s][i] + force[i]) * way;
-            }
-        }
         let mut dashpots = None;
         if let Some(motion) = &self.motion {
             let loads = &self.loading.loads.total;

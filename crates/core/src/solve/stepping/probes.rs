@@ -18,7 +18,7 @@ pub(in crate::solve) fn probes(model: &Model, dofs: &DofMap, state: &State) -> V
         let mean = |nodes: &[u32], axis: usize| {
             let at = |n: &u32| match dofs.slot[*n as usize][axis] {
                 HELD => 0.0,
-                slot => of_slot[slot as usize],
+                slot => dofs.sign[*n as usize][axis] * of_slot[slot as usize],
             };
             nodes.iter().map(at).sum::<f64>() / nodes.len().max(1) as f64
         };

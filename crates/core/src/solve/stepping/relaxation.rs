@@ -23,6 +23,9 @@
 //! forces are below the tolerance of equilibrium: the state is then static. Where a body had come loose, it is solved
 //! once more with κ = 0, because dashpots alone may hold that body. The work of the dashpots is the energy
 //! that the snap releases, and counts as damping.
+//!
+//! Where the prediction of the first sub-increment is wrong, the drive pulls the structure through its dashpots. This
+//! work is none of the structure: the drive's work is that of its forces at both ends of the relaxation.
 
 use super::path::Advance;
 use super::run::Run;
@@ -34,7 +37,7 @@ use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::convergence::Balance;
 use crate::solve::increment::outcome::{Attempt, Outcome, Problem, Report, Solves};
-use crate::state::Method;
+use crate::state::{Method, State};
 
 /// Dashpots of one sub-increment.
 #[derive(Clone, Debug)]
@@ -147,29 +150,32 @@ impl Run<'_> {
         let damped = self.state.energies.damping - saved.energies.damping;
         // Where the prediction of the first sub-increment is wrong, the drive pulls the structure through its dashpots.
         let found = found.filter(|_| damped <= MOST_WORK * work);
-        if found.is_some() {
-            self.state.increments = increments;
-        } else {
+        let Some((request, report, driven)) = found else {
             self.state = saved;
             step_run.newton.carry_on(carried);
             step_run.newton.dashpots = None;
             step_run.load = load;
-        }
-        found
+            return None;
+        };
+        self.state.increments = increments;
+        self.take_off_drag(step_run, &saved, driven);
+        Some((request, report))
     }
 
+    /// The same in sub-increments, with the work of the drive [N mm].
     fn relax_in_steps(
         &mut self,
         step_run: &mut StepRun,
         mut request: IncrementRequest,
         proves: bool,
         recorder: &mut dyn Recorder,
-    ) -> Option<(IncrementRequest, Report)> {
+    ) -> Option<(IncrementRequest, Report, f64)> {
         request.method = Method::Relaxation;
         let reach = self.system.contact.reach();
         let mut start = self.state.q.clone();
         let (mut softening, mut loads) = (Softening::default(), true);
         let mut at_rest = false;
+        let mut driven = 0.0;
         for _ in 0..MOST {
             if let Some(dashpots) = &mut step_run.newton.dashpots {
                 let factor = if at_rest { 0.0 } else { softening.factor };
@@ -186,15 +192,18 @@ impl Run<'_> {
                     continue;
                 }
             };
+            driven += step_run
+                .newton
+                .driven_work(&self.system, &self.state, &self.trial);
             if at_rest {
-                return Some((request, report));
+                return Some((request, report, driven));
             }
             let newton = &mut step_run.newton;
             let scale = newton.scale(&self.system, &self.state, &self.trial);
             let balance = Balance::new(&newton.dashpot_forces(), scale);
             at_rest = balance.holds(AT_REST, step_run.step.tolerance.residual);
             if at_rest && !proves {
-                return Some((request, report));
+                return Some((request, report, driven));
             }
             step_run.attempts.solves += report.iterations;
             let added = report.load_factor - step_run.load;
@@ -225,6 +234,17 @@ impl Run<'_> {
             }
         }
         None
+    }
+
+    /// Takes the work by which the drive pulled dashpots, a part of `driven` since `saved`, off work and damping
+    /// [N mm].
+    fn take_off_drag(&mut self, step_run: &StepRun, saved: &State, driven: f64) {
+        let newton = &step_run.newton;
+        let drag = driven - newton.driven_work(&self.system, saved, &self.trial);
+        let energies = &mut self.state.energies;
+        let drag = drag.min(energies.damping - saved.energies.damping);
+        energies.external -= drag;
+        energies.damping -= drag;
     }
 
     /// One sub-increment. `loads`: whether it adds the loads of the increment.

@@ -106,15 +106,16 @@ impl<'m> Run<'m> {
         rejection: &Rejection,
     ) -> bool {
         let (loose, size) = (is_loose(rejection), request.increment.size);
+        // The first increment of a step is cut until the structure is elastic in it.
+        let is_resolved = !step_run.is_fresh() || size <= step_run.least().before_motion;
         let applies = match step_run.step.procedure {
             // A unit that comes loose in a wall finds its next support within the joint. Dry stones that nothing
             // presses yet are all loose, and bodies in general contact fly.
             Procedure::Auto if loose => {
                 let in_a_wall = self.state.increments > 0 && self.model.contact.general.is_none();
-                let is_resolved = !step_run.is_fresh() || size <= step_run.least().before_motion;
                 in_a_wall && is_resolved && step_run.fallback.would_move(size)
             }
-            Procedure::Auto => step_run.fallback.may_snap(),
+            Procedure::Auto => is_resolved && step_run.fallback.may_snap(),
             Procedure::DisplacementControl => !loose,
             _ => false,
         };
