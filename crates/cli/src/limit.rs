@@ -205,7 +205,7 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
         speed > 1e-2
     });
     line("mechanism", format!("{} units move", moving.count()));
-    if found.factor < NOTHING * found.associated_factor {
+    if found.factor.abs() < NOTHING * found.associated_factor.abs() {
         text += "warning: without dilatancy the lowest state carries almost nothing: joints that only the live load or a \
                  held beam presses may be without pressure; the associated factor is that of joints which stay pressed\n";
     }

@@ -100,8 +100,8 @@ impl LimitError {
     }
 }
 
-/// Largest number of programs of the search without dilatancy.
-pub const MOST_PROGRAMS: usize = 40;
+/// Largest number of programs of both searches without dilatancy.
+pub const MOST_PROGRAMS: usize = 60;
 
 /// How far a limit analysis has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
