@@ -71,6 +71,34 @@ def test_reactions_balance(wall: wythe.Results) -> None:
     assert shear == pytest.approx(-1e-3 * below[peak, 0], rel=1e-12)
 
 
+def test_the_base_shear_of_an_oblique_drive_is_along_it(tmp_path: Path) -> None:
+    deck = """
+format = 1
+[materials.stone]
+E = "5 GPa"
+nu = 0.2
+[[blocks]]
+name = "post"
+size = [100, 100, 400]
+material = "stone"
+mesh = [2, 2, 4]
+[[supports]]
+on = "post.bottom"
+[[steps]]
+kind = "drive"
+face = "post.top"
+direction = [1, -1, 0]
+displacement = "0.1 mm"
+"""
+    run = wythe.Model.from_toml(deck).run(tmp_path / "post.out")
+    assert run.answers["drive_direction"] == "(0.70711, -0.70711, 0)"
+    series = run.base_shear
+    assert series is not None
+    # Statics without weight: the tolerance of equilibrium.
+    assert series[-1] == pytest.approx(run.history.force_kN[-1], rel=5e-3)
+    assert series[-1] == pytest.approx(run.answers["base_shear_at_peak_kN"], rel=1e-4)
+
+
 def test_drifts_are_points_of_the_curve(wall: wythe.Results, couplet: wythe.Results) -> None:
     height = wall.answers["height_mm"]
     [point, beyond] = wall.at_drifts([0.3 / height, 1.0])
