@@ -284,9 +284,9 @@ fn expanded_walls_weigh_as_much() {
     };
     let detailed = mass("detailed");
     for strategy in ["simplified", "rigid"] {
-        // The ends of a wall have other parts of joints than its middle.
+        // Six courses have five bed joints: a sixth less than the cells of their units, of 40 % of the mass.
         let ratio = mass(strategy) / detailed;
-        assert!((ratio - 1.0).abs() < 0.03, "{strategy}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.07, "{strategy}: {ratio}");
     }
 }
 
