@@ -205,6 +205,12 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
         speed > 1e-2
     });
     line("mechanism", format!("{} units move", moving.count()));
+    text + &warnings(found)
+}
+
+/// Warnings about a factor.
+fn warnings(found: &LimitAnalysis) -> String {
+    let mut text = String::new();
     if found.factor.abs() < NOTHING * found.associated_factor.abs() {
         text += "warning: without dilatancy the lowest state carries almost nothing: joints that only the live load or a \
                  held beam presses may be without pressure; the associated factor is that of joints which stay pressed\n";

@@ -148,7 +148,10 @@ fn the_last_of_two_drives_counts() {
     // The block presses symmetrically, so that the second drive begins without force; the line through its first two
     // increments is curved by the tolerance of equilibrium.
     let (way, force) = curve.start();
-    assert!(way.abs() < 1e-3 && force.abs() < 0.02, "{way} mm, {force} kN");
+    assert!(
+        way.abs() < 1e-3 && force.abs() < 0.02,
+        "{way} mm, {force} kN"
+    );
     assert!(!curve.turns_back());
 }
 

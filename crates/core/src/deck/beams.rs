@@ -150,6 +150,22 @@ fn outline(
     })
 }
 
+/// Stiffness of the jack of a beam that turns, along the axes of its drives [N/mm]. `[xyz]`
+fn stiffness_of_jack(plain: &Deck, beam: &DeckBeam, laid: &Laid) -> [f64; 3] {
+    let mut jack = [0.0; 3];
+    let own = |step: &&DeckStep| step.beam.as_ref() == Some(&beam.name);
+    for step in plain.steps.iter().filter(own) {
+        if let (Turning::Free, Some(direction)) = (beam.rotation, step.direction) {
+            for (axis, part) in direction.unit().into_iter().enumerate() {
+                if part != 0.0 {
+                    jack[axis] = laid.jack();
+                }
+            }
+        }
+    }
+    jack
+}
+
 /// Adds the material, block, contact and spring of a beam; returns their paths.
 fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
     let name = &beam.name;
@@ -196,16 +212,7 @@ fn add(plain: &mut Deck, beam: &DeckBeam, laid: &Laid) -> Vec<String> {
         master: Some(Names(vec![format!("{name}.bottom")])),
         interface: beam.interface.clone(),
     });
-    let mut jack = [0.0; 3];
-    for step in plain.steps.iter().filter(|s| s.beam.as_ref() == Some(name)) {
-        if let (Turning::Free, Some(direction)) = (beam.rotation, step.direction) {
-            for (axis, part) in direction.unit().into_iter().enumerate() {
-                if part != 0.0 {
-                    jack[axis] = laid.jack();
-                }
-            }
-        }
-    }
+    let jack = stiffness_of_jack(plain, beam, laid);
     if jack != [0.0; 3] {
         paths.push(format!("springs.{}", plain.springs.len()));
         plain.springs.push(DeckSpring {

@@ -347,52 +347,68 @@ fn sides(
             );
         }
         let frame = PlanFrame::of(floor);
-        let extent = |axis: usize| {
-            let all = facets.iter().flat_map(|(_, nodes)| corners(nodes));
-            range(all.map(|x| frame.plan(x)[axis]))
-        };
-        let [u, v] = [extent(0), extent(1)];
-        let (long_u, long_v) = (u[1] - u[0], v[1] - v[0]);
-        if (long_u - long_v).abs() <= 0.1 * long_u.max(long_v) {
-            let message = format!(
-                "{name} is {long_u:.0} by {long_v:.0} mm in plan: a side of a floor is long and narrow"
-            );
-            return wrong(message, "name faces of walls");
+        let facets = facets.iter().map(|(element, nodes)| (*element, *nodes));
+        let facets: Vec<(usize, [u32; 4])> = facets.collect();
+        match side(name, &facets, &frame, &bodies.mesh.nodes) {
+            Ok((along, side)) => sides[1 - along].push(side),
+            Err(message) => return wrong(message, "name faces of walls"),
         }
-        let along = usize::from(long_v > long_u);
-        let bearings: Vec<Bearing> = facets
-            .iter()
-            .map(|(element, nodes)| {
-                let corners = corners(nodes);
-                let middle = |d: usize| 0.25 * corners.iter().map(|x| x[d]).sum::<f64>();
-                let at = [0, 1, 2].map(middle);
-                let plan = frame.plan(at);
-                let reach = corners
-                    .iter()
-                    .map(|x| (frame.plan(*x)[along] - plan[along]).abs());
-                Bearing {
-                    element: *element,
-                    nodes: *nodes,
-                    at,
-                    plan,
-                    area: norm(area_vector(&corners)),
-                    half: reach.fold(0.0, f64::max),
-                }
-            })
-            .collect();
-        let across = bearings.iter().map(|b| b.plan[1 - along]).sum::<f64>();
-        let across = across / bearings.len() as f64;
-        sides[1 - along].push(Side {
-            name: name.clone(),
-            bearings,
-            across,
-            ends: [u, v][along],
-        });
     }
     for sides in &mut sides {
         sides.sort_by(|a: &Side, b: &Side| a.across.total_cmp(&b.across));
     }
     Ok(sides)
+}
+
+/// The side of these facets, and whether it lies along u or v.
+///
+/// # Errors
+/// A message about a face that is as wide as it is long.
+fn side(
+    name: &str,
+    facets: &[(usize, [u32; 4])],
+    frame: &PlanFrame,
+    x: &[[f64; 3]],
+) -> Result<(usize, Side), String> {
+    let corners = |nodes: &[u32; 4]| nodes.map(|n| x[n as usize]);
+    let extent = |axis: usize| {
+        let all = facets.iter().flat_map(|(_, nodes)| corners(nodes));
+        range(all.map(|x| frame.plan(x)[axis]))
+    };
+    let [u, v] = [extent(0), extent(1)];
+    let (long_u, long_v) = (u[1] - u[0], v[1] - v[0]);
+    if (long_u - long_v).abs() <= 0.1 * long_u.max(long_v) {
+        return Err(format!(
+            "{name} is {long_u:.0} by {long_v:.0} mm in plan: a side of a floor is long and narrow"
+        ));
+    }
+    let along = usize::from(long_v > long_u);
+    let bearing = |(element, nodes): &(usize, [u32; 4])| {
+        let corners = corners(nodes);
+        let middle = |d: usize| 0.25 * corners.iter().map(|x| x[d]).sum::<f64>();
+        let at = [0, 1, 2].map(middle);
+        let plan = frame.plan(at);
+        let reach = corners
+            .iter()
+            .map(|x| (frame.plan(*x)[along] - plan[along]).abs());
+        Bearing {
+            element: *element,
+            nodes: *nodes,
+            at,
+            plan,
+            area: norm(area_vector(&corners)),
+            half: reach.fold(0.0, f64::max),
+        }
+    };
+    let bearings: Vec<Bearing> = facets.iter().map(bearing).collect();
+    let across = bearings.iter().map(|b| b.plan[1 - along]).sum::<f64>();
+    let side = Side {
+        name: name.to_owned(),
+        across: across / bearings.len() as f64,
+        bearings,
+        ends: [u, v][along],
+    };
+    Ok((along, side))
 }
 
 /// The bays between sides.

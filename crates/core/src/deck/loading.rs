@@ -48,13 +48,9 @@ pub(super) fn loading(
     let mut errors = Errors::default();
     for (i, step) in deck.steps.iter().enumerate() {
         // A beam that the last step has driven is locked in place.
-        let driven = |motion: &&mut BeamMotion| matches!(motion, BeamMotion::Driven(_));
-        for motion in now.iter_mut().flatten().filter(driven) {
-            *motion = BeamMotion::Locked;
-        }
+        now.iter_mut().flatten().for_each(BeamMotion::lock);
         let mut far_ends = vec![[0.0; 3]; springs.len()];
-        let by = driven_by(step);
-        let beam = beam_of(step);
+        let (by, beam) = (driven_by(step), beam_of(step));
         if let Some(b) = beam.filter(|b| beams[*b].settles()) {
             for (axis, by) in driven_axes(step) {
                 now[b][axis] = BeamMotion::Driven(by);
@@ -86,8 +82,8 @@ pub(super) fn loading(
             before.or_else(|| top.then_some(Driven::along(0, 2)))
         };
         let driven = driven.or_else(|| top_of_wall().filter(|_| beam == Some(0)));
-        let normal = |b: usize| (0..3).find(|d| beams[b].normal[*d].abs() > ALONG);
-        let pressed = beam.and_then(|b| Some(Driven::along(b, normal(b)?)));
+        let normal = |b: &Beam| (0..3).find(|d| b.normal[*d].abs() > ALONG);
+        let pressed = beam.and_then(|b| Some(Driven::along(b, normal(&beams[b])?)));
         let rules = errors.keep(rules(deck, i, step, &mut gravity));
         steps.extend(rules.map(|rules| Step {
             motion: now.clone(),
@@ -354,7 +350,7 @@ fn beam(
     require_apart(deck, &path, &name, &nodes, beams)?;
     let (vector, area) = bodies.area(&places);
     // The top of one of `[[beams]]`: its depth is a part of it, not of the wall.
-    let is_beam = deck.said(&path).ends_with(".beam");
+    let is_beam = deck.said(&path).rsplit('.').next() == Some("beam");
     let below = |block: &DeckBlock| is_beam && name == format!("{}.top", block.name);
     let block = deck.blocks.iter().find(|block| below(block));
     let depth = block

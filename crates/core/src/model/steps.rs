@@ -15,6 +15,15 @@ pub enum BeamMotion {
     Driven(f64),
 }
 
+impl BeamMotion {
+    /// Locks a beam that was driven in place.
+    pub(crate) fn lock(&mut self) {
+        if matches!(self, Self::Driven(_)) {
+            *self = Self::Locked;
+        }
+    }
+}
+
 /// A beam, and the direction along which the history shows its displacement and force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {

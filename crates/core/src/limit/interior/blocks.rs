@@ -61,7 +61,9 @@ impl Block {
             for (j, other) in done.chunks_exact(equations.max(1)).enumerate() {
                 add(own, -column[j], other);
             }
-            own.iter_mut().for_each(|v| *v /= column[k]);
+            for v in own {
+                *v /= column[k];
+            }
         }
         true
     }
@@ -138,7 +140,9 @@ impl Block {
         }
         self.lower(x);
         // z = W⁻¹ (W⁻¹A x − W⁻¹ r_z)
-        z.iter_mut().for_each(|v| *v = -*v);
+        for v in z.iter_mut() {
+            *v = -*v;
+        }
         for (p, column) in x.iter().zip(self.scaled.chunks_exact(z.len())) {
             add(z, *p, column);
         }

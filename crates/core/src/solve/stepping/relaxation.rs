@@ -30,7 +30,6 @@
 use super::path::Advance;
 use super::run::Run;
 use super::step_run::{IncrementRequest, StepRun};
-use super::step_size::Increment;
 use crate::assembly::{Equations, System};
 use crate::model::Model;
 use crate::model::scene::Procedure;
@@ -217,11 +216,7 @@ impl Run<'_> {
             } else if let Some(last) = &mut self.state.last {
                 last.dt = 1.0 / softening.factor;
             }
-            request.increment = Increment {
-                start: request.increment.end(),
-                size: 0.0,
-                holds: false,
-            };
+            request.increment = request.increment.and_then_none();
             loads = false;
             if at_rest {
                 continue;

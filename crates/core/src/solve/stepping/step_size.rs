@@ -26,6 +26,15 @@ impl Increment {
         }
     }
 
+    /// An increment of no size at its end.
+    pub fn and_then_none(&self) -> Self {
+        Self {
+            start: self.end(),
+            size: 0.0,
+            holds: false,
+        }
+    }
+
     /// Whether the increment ends the step.
     pub fn ends_step(&self) -> bool {
         self.end() >= 1.0 - ROUNDING
