@@ -66,6 +66,28 @@ fn the_default_completes_every_case() {
     assert!(failed.is_empty(), "\n{}", failed.join("\n"));
 }
 
+/// The coarser strategies bring each case with a wall to its end with closed energies. Their forces are those of other
+/// models: within a tenth of the detailed one, as `judge` measures them, or told as wrong.
+#[test]
+fn strategies_bring_walls_to_their_end() {
+    let atlas = run(&study::cases(&folder()).unwrap(), &["simplified", "rigid"]);
+    let mut ended = 0;
+    for row in &atlas.rows {
+        for cell in &row.cells {
+            let name = format!("{}, {}: {:?}", row.case.name(), cell.method, cell.verdict);
+            match &cell.verdict {
+                Verdict::Inapplicable(_) => continue,
+                Verdict::Completed(_) | Verdict::Wrong(_) => ended += 1,
+                _ => panic!("{name}"),
+            }
+            // The bound of a run.
+            assert!(cell.energy <= 0.01, "{name}: {}", cell.energy);
+        }
+    }
+    // Five cases have walls.
+    assert!(ended >= 8, "{ended}");
+}
+
 #[test]
 fn every_penalty_completes_with_the_same_result() {
     let mut cases = study::cases(&folder()).unwrap();

@@ -43,6 +43,8 @@ pub fn report(study: &Study, picture: &str) -> String {
          * **diverged**: it lost convergence; the step and how much of it was done;\n\
          * **stopped**: its time was up;\n\
          * **–**: the method does not apply.\n\n\
+         `simplified` and `rigid` are modelling strategies of the walls, solved by `auto`: their errors are those of \
+         the coarser model.\n\n\
          ![Cases against methods, coloured by verdict]({picture})\n\n",
         if study.short { "short" } else { "full" },
         if study.short {
