@@ -66,8 +66,8 @@ fn the_default_completes_every_case() {
     assert!(failed.is_empty(), "\n{}", failed.join("\n"));
 }
 
-/// The coarser strategies bring each case with a wall to its end with closed energies. Their forces are those of other
-/// models: within a tenth of the detailed one, as `judge` measures them, or told as wrong.
+/// The coarser strategies bring each case with a wall to its end with closed energies. Forces of other models may be
+/// wrong by their reference.
 #[test]
 fn strategies_bring_walls_to_their_end() {
     let atlas = run(&study::cases(&folder()).unwrap(), &["simplified", "rigid"]);
