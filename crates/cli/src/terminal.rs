@@ -162,7 +162,9 @@ impl Terminal {
         let time = row.time - self.waiting.until(row);
         self.pace.mark(row.step, elapsed, time);
         let left = self.pace.left(self.duration);
-        let eta = left.map_or_else(String::new, |left| format!(", ETA {}", seconds(left)));
+        let eta = left.map_or_else(String::new, |[least, most]| {
+            format!(", {} to {} left", seconds(least), seconds(most))
+        });
         self.last = format!("{} [{}{eta}]", self.line(row), seconds(elapsed));
         let done = (time / self.duration).clamp(0.0, 1.0);
         match &self.voice {
@@ -184,7 +186,8 @@ impl Terminal {
                 "cutbacks": row.cutbacks,
                 "procedure": self.procedure,
                 "elapsed_s": elapsed,
-                "eta_s": left,
+                "eta_s": left.map(|[least, most]| (least * most).sqrt()),
+                "left_s": left,
             })),
             Voice::None => {}
         }
