@@ -53,7 +53,8 @@ impl Strategy {
     reason = "energy and weight are spelt in the deck as in the theory"
 )]
 pub struct DeckSimplified {
-    /// Number of elements of an expanded unit along its length, height and thickness; [2, 1, 1] if absent.
+    /// Number of elements of an expanded unit along its length, height and thickness; [2, 1, 1] if absent, and
+    /// [2, 1, 3] in walls that are bent out of their plane.
     pub mesh: Option<Subdivision>,
     /// Compressive strength of the masonry f_m [MPa].
     pub f_m: Option<Pressure>,
