@@ -96,10 +96,14 @@ impl Backbone {
             .windows(2)
             .rposition(|p| p[0].1 <= 0.0 && p[1].1 > 0.0);
         let turned = |k: &usize| rising[..=*k].windows(2).any(|p| p[1].0 < p[0].0);
-        let begin = match zero.filter(turned) {
+        let zero = zero.filter(turned);
+        let begin = match zero {
             Some(k) => (crossing(rising[k], rising[k + 1], 0.0), 0.0),
             None => self.all[0],
         };
+        // After the point without force it may be reached before the start of the drive.
+        let from = zero.map_or(0, |k| k + 1);
+        let i = from + rising[from..].iter().position(|p| p.1 >= target)?;
         let before = self.all[i.checked_sub(1)?];
         let travel = crossing(before, self.all[i], target) - begin.0;
         (target > begin.1 && travel > 0.0).then(|| (target - begin.1) / travel)
