@@ -70,6 +70,17 @@ fn keeps_top_down(step: &DeckStep) -> bool {
     step.kind == StepKind::Drive && beam && step.vertical != Some(Vertical::Free)
 }
 
+/// The name of something derived, with a number if it is taken by another.
+fn free_name(kind: &str, taken: impl Fn(&str) -> bool) -> String {
+    let mut name = kind.to_owned();
+    let mut number = 1;
+    while taken(&name) {
+        number += 1;
+        name = format!("{kind} {number}");
+    }
+    name
+}
+
 /// Derivation of one wall.
 struct Derivation<'a> {
     deck: &'a mut Deck,
@@ -163,12 +174,8 @@ impl<'a> Derivation<'a> {
             ..unit.clone()
         };
         let (kind, path) = (format!("{name} (with mortar)"), format!("materials.{name}"));
-        let mut name = kind.clone();
-        let mut number = 1;
-        while materials.get(&name).is_some_and(|known| *known != expanded) {
-            number += 1;
-            name = format!("{kind} {number}");
-        }
+        let taken = |name: &str| materials.get(name).is_some_and(|known| *known != expanded);
+        let name = free_name(&kind, taken);
         let note = format!("material {name}: density {:.0} kg/m^3", 1e12 * density);
         if !self.deck.derived.contains(&note) {
             self.deck.derived.push(note);
@@ -232,17 +239,9 @@ impl<'a> Derivation<'a> {
 
     /// Adds an interface under this name, or a similar one if it is taken by another. Errors refer to `path`.
     fn add(&mut self, kind: &str, derived: Interface, path: &str) -> String {
-        let mut name = kind.to_owned();
-        let mut number = 1;
-        while self
-            .deck
-            .interfaces
-            .get(&name)
-            .is_some_and(|known| *known != derived)
-        {
-            number += 1;
-            name = format!("{kind} {number}");
-        }
+        let interfaces = &self.deck.interfaces;
+        let taken = |name: &str| interfaces.get(name).is_some_and(|known| *known != derived);
+        let name = free_name(kind, taken);
         self.deck
             .stands_for(format!("interfaces.{name}"), path.to_owned());
         self.deck.interfaces.insert(name.clone(), derived);
