@@ -36,13 +36,14 @@ pub use lanes::Lanes;
 pub use law::{
     CohesiveFrictional, Coupling, InterfaceHistory, InterfaceResponse, PointStatus, SLOTS,
 };
-pub use pairs::{Candidates, PointPair, Search, pair_point, rim_point, to_frame};
+pub use pairs::{Candidates, PointPair, Reach, Search, pair_point, rim_point, to_frame};
 pub use part::Part;
 pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};
 pub use registry::InterfaceLaw;
 pub use shifted::{Loose, Shift};
 pub use stencil::{
-    Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, write_stiffness,
+    Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, lobatto_points,
+    write_stiffness,
 };
 pub use surface::{Surface, frame_at};

@@ -138,21 +138,40 @@ impl Candidates {
     }
 }
 
+/// How far a point may be from the facet that it faces.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// Distance in front of the facet, and behind it [mm].
+    pub radius: f64,
+    /// Distance beyond the rim of the surface, over half the facet [-].
+    pub rim: f64,
+    /// Whether the point is held by its facet: it keeps it however deep it is pressed, and other facets take it at up
+    /// to twice that depth.
+    pub held: bool,
+}
+
 /// The facet that a point faces. The point keeps its present facet while it stays on it. Otherwise it takes the
 /// nearest candidate onto which it projects. Otherwise it takes the nearest candidate beyond whose edge it lies by no
 /// more than [`STAY`] of the half facet, or by `rim` if it faced a facet before. Ties go to the lowest number. `None`
-/// without such a facet within `radius` [mm].
+/// without such a facet within reach.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
     candidates: &[u32],
     master: &Surface,
     x: &[[f64; 3]],
-    [radius, rim]: [f64; 2],
+    Reach { radius, rim, held }: Reach,
 ) -> Option<(u32, [f64; 2])> {
-    if let Some((facet, xi)) = present {
-        let foot = extend(point, &master.corners(facet as usize, x), xi);
-        if let Some(foot) = foot.filter(|f| within(f.xi, STAY) && f.distance <= radius) {
+    let mut deep = radius;
+    let near =
+        |foot: &Projection, deep: f64| foot.distance <= if foot.gap < 0.0 { deep } else { radius };
+    if let Some((facet, xi)) = present
+        && let Some(foot) = extend(point, &master.corners(facet as usize, x), xi)
+    {
+        if held {
+            deep = deep.max(-2.0 * foot.gap);
+        }
+        if within(foot.xi, STAY) && near(&foot, deep) {
             return Some((facet, foot.xi));
         }
     }
@@ -162,7 +181,7 @@ pub fn pair_point(
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
         };
-        if !(within(foot.xi, most) && foot.distance <= radius) {
+        if !(within(foot.xi, most) && near(&foot, deep)) {
             continue;
         }
         let over = !within(foot.xi, ENTER);

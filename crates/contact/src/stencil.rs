@@ -24,20 +24,54 @@ pub struct SlavePoint {
 
 /// 2 × 2 Gauss points of a part of a facet with reference positions `corners`.
 pub fn gauss_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
-    sample(corners, part, 1.0 / 3.0_f64.sqrt())
+    let at = 1.0 / 3.0_f64.sqrt();
+    sample(
+        corners,
+        part,
+        [EVEN.map(|(side, share)| (side * at, share)); 2],
+    )
 }
 
 /// The corners of a part, moved inwards by 1e-6 of its half size, so that each lies on one facet only where edges of
 /// bodies coincide.
 pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
-    sample(corners, part, 1.0 - 1e-6)
+    sample(
+        corners,
+        part,
+        [EVEN.map(|(side, share)| (side * RIM, share)); 2],
+    )
 }
 
-fn sample(corners: &[[f64; 3]; 4], part: &Part, at: f64) -> [SlavePoint; 4] {
-    let share = part.half[0] * part.half[1];
-    [[-at, -at], [at, -at], [at, at], [-at, at]].map(|xi| {
-        let (weights, by_s, by_t) = shape(part.at(xi));
-        let area = blend(&by_s, corners).cross(&blend(&by_t, corners)).norm() * share;
+/// Those of 4 × 4 Lobatto points that lie in a part, a quarter of the rectangle that they sample. They include the
+/// corners of the rectangle, moved inwards by 1e-6 of the part's half size, and integrate polynomials of degree 5.
+/// Neighbouring parts of a [grid](Part::grid) with even numbers make one rectangle.
+pub fn lobatto_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
+    // On [-1, 1] the inner points are ±1/√5 with weight 5/6, the outer ones ±1 with weight 1/6.
+    let inner = 2.0 / 5.0_f64.sqrt() - 1.0;
+    let along = part.is_second().map(|is_second| {
+        if is_second {
+            [(inner, 5.0 / 6.0), (RIM, 1.0 / 6.0)]
+        } else {
+            [(-RIM, 1.0 / 6.0), (-inner, 5.0 / 6.0)]
+        }
+    });
+    sample(corners, part, along)
+}
+
+/// Parameter of the outermost points.
+const RIM: f64 = 1.0 - 1e-6;
+
+/// Two points on either side of the middle, with equal shares.
+const EVEN: [(f64, f64); 2] = [(-1.0, 0.5), (1.0, 0.5)];
+
+/// Points of a part, from their parameters and shares along its two directions.
+fn sample(corners: &[[f64; 3]; 4], part: &Part, along: [[(f64, f64); 2]; 2]) -> [SlavePoint; 4] {
+    let whole = 4.0 * part.half[0] * part.half[1];
+    [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| {
+        let ((xi, by_xi), (eta, by_eta)) = (along[0][i], along[1][j]);
+        let (weights, by_s, by_t) = shape(part.at([xi, eta]));
+        let jacobian = blend(&by_s, corners).cross(&blend(&by_t, corners)).norm();
+        let area = jacobian * (whole * by_xi * by_eta);
         SlavePoint { weights, area }
     })
 }

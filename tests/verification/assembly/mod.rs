@@ -3,4 +3,5 @@
 mod gather;
 mod global_tangent;
 mod rigid_bodies;
+mod similar_elements;
 mod stiffness_reuse;

@@ -4,7 +4,18 @@ use crate::common::Random;
 use nalgebra::{Rotation3, Vector3};
 use wythe::contact::pairs::RIM;
 use wythe::contact::projection::extend;
-use wythe::contact::{Aabb, Bvh, Candidates, Search, Surface, frame_at, pair_point, to_frame};
+use wythe::contact::{
+    Aabb, Bvh, Candidates, Reach, Search, Surface, frame_at, pair_point, to_frame,
+};
+
+/// The reach of a point that nothing holds.
+fn within(radius: f64) -> Reach {
+    Reach {
+        radius,
+        rim: RIM,
+        held: false,
+    }
+}
 
 fn vector(random: &mut Random, size: f64) -> [f64; 3] {
     [0, 1, 2].map(|_| size * random.signed())
@@ -216,7 +227,7 @@ fn pairs_equal_brute_force_while_surfaces_move_within_the_margin() {
                         candidates.of(f),
                         &s.master,
                         &s.x,
-                        [radius, RIM],
+                        within(radius),
                     );
                     let expected = brute_force(&s, f, &p, radius);
                     assert_eq!(found.map(|(m, _)| m), expected, "round {round}, {p:?}");
@@ -264,7 +275,7 @@ fn a_point_over_a_closed_surface_is_never_lost() {
                     1.5 * f64::from(j) + by[1],
                     by[2],
                 ];
-                let found = pair_point(&Vector3::from(p), None, &all, &s.master, &s.x, [0.1, RIM]);
+                let found = pair_point(&Vector3::from(p), None, &all, &s.master, &s.x, within(0.1));
                 let (facet, xi) = found.unwrap_or_else(|| panic!("lost at {p:?}"));
                 let foot = extend(
                     &Vector3::from(p),
@@ -275,7 +286,8 @@ fn a_point_over_a_closed_surface_is_never_lost() {
                 // Tolerance: rounding of coordinates up to 12 mm.
                 assert!((foot.gap - by[2]).abs() < 1e-14);
                 // The pairing does not change, even slightly beyond the edge.
-                let again = pair_point(&Vector3::from(p), found, &all, &s.master, &s.x, [0.1, RIM]);
+                let again =
+                    pair_point(&Vector3::from(p), found, &all, &s.master, &s.x, within(0.1));
                 assert_eq!(again.map(|(f, _)| f), Some(facet));
             }
         }
@@ -335,7 +347,7 @@ fn collapsed_facets_do_not_disturb_the_search() {
     for f in 0..s.slave.facets.len() {
         for p in points_on(&s, f) {
             let point = Vector3::from(p);
-            let found = pair_point(&point, None, candidates.of(f), &s.master, &s.x, [0.4, RIM]);
+            let found = pair_point(&point, None, candidates.of(f), &s.master, &s.x, within(0.4));
             assert_eq!(found.map(|(m, _)| m), whole[k], "{p:?}");
             k += 1;
         }
@@ -388,7 +400,7 @@ fn a_point_that_faced_a_surface_stays_on_it_a_little_beyond_its_rim() {
     let x = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| [x, y, 0.0]);
     let pair = |beyond: f64, present| {
         let point = Vector3::new(1.0 + beyond, 0.3, 0.01);
-        pair_point(&point, present, &[0], &master, &x, [0.1, RIM])
+        pair_point(&point, present, &[0], &master, &x, within(0.1))
     };
     let before = Some((0, [1.0, 0.3]));
     let close = |found: Option<(u32, [f64; 2])>, beyond: f64| {

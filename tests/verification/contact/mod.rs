@@ -7,6 +7,7 @@ mod interface;
 mod joint_laws;
 mod parts;
 mod patch;
+mod pivots;
 mod projection;
 mod rims;
 mod search_radius;

@@ -9,7 +9,7 @@ use wythe::state::Status;
 /// A block of one element on another element, compressed and then pushed at its top.
 ///
 /// The blocks are nearly rigid, so that only the dry joint deforms: k = 1,000 N/mm³ compared with E/h = 1e6.
-fn pushed(parts: u32, push: f64) -> Model {
+fn pushed(points: &str, parts: u32, push: f64) -> Model {
     let text = format!(
         r#"format = 1
 [materials.stone]
@@ -23,6 +23,7 @@ mu = 2
 normal_stiffness = 1000
 shear_stiffness = 1000
 [contact]
+points = "{points}"
 parts = [{parts}, 1, 1]
 [[blocks]]
 name = "base"
@@ -64,14 +65,21 @@ tolerance = {{ residual = 1e-6 }}
     deck_and_model(&text).1
 }
 
-/// Rotation of a rigid block of 100 × 100 mm on rows of springs without tension, under 1 MPa at an eccentricity [mm].
+/// Rotation of a rigid block of 100 × 100 mm on rows of springs without tension, each with its share of the area, under
+/// 1 MPa at an eccentricity [mm].
 /// The compressed rows are those beyond a certain one; for each such set the two equilibrium equations are solved.
-fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
-    let share = 1000.0 * 100.0 * 100.0 / rows.len() as f64;
+fn rotation_on_rows(rows: &[(f64, f64)], eccentricity: f64) -> f64 {
+    let whole = 1000.0 * 100.0 * 100.0;
     let force = 1.0 * 100.0 * 100.0;
     for pressed in (1..=rows.len()).rev() {
         let rows = &rows[rows.len() - pressed..];
-        let sum = |power: i32| share * rows.iter().map(|y| y.powi(power)).sum::<f64>();
+        let sum = |power: i32| {
+            whole
+                * rows
+                    .iter()
+                    .map(|(y, share)| share * y.powi(power))
+                    .sum::<f64>()
+        };
         let (s0, s1, s2) = (sum(0), sum(1), sum(2));
         // Springs with a + θ y > 0 are compressed: Σ = N, Σ y = N e.
         let determinant = s0 * s2 - s1 * s1;
@@ -80,7 +88,7 @@ fn rotation_on_rows(rows: &[f64], eccentricity: f64) -> f64 {
         }
         let sink = force * (s2 - eccentricity * s1) / determinant;
         let turn = force * (eccentricity * s0 - s1) / determinant;
-        if sink + turn * rows[0] >= 0.0 {
+        if sink + turn * rows[0].0 >= 0.0 {
             return turn;
         }
     }
@@ -96,30 +104,50 @@ fn the_rotation_of_an_open_joint_converges_with_its_rows_of_points() {
     // The compressed length is c = 3 (b/2 − e), the compression at the toe 2 N / (k b c).
     let along = 3.0 * (50.0 - E);
     let exact = 2.0 * 1e4 / (1000.0 * 100.0 * along) / along;
-    for (parts, off) in [(2, 0.05), (4, 0.02), (8, 0.006)] {
-        let model = pushed(parts, E / 100.0);
+    let g = 1.0 / 3.0_f64.sqrt();
+    let gauss = [(-g, 0.5), (g, 0.5)];
+    // Lobatto points with their weights, which dry joints have.
+    let (inner, outer) = (1.0 / 5.0_f64.sqrt(), 1.0 - 5e-7);
+    let lobatto =
+        [(-outer, 1.0), (-inner, 5.0), (inner, 5.0), (outer, 1.0)].map(|(y, w)| (y, w / 12.0));
+    let cases = [
+        ("gauss", 2, &gauss[..], 0.05),
+        ("gauss", 4, &gauss, 0.02),
+        ("gauss", 8, &gauss, 0.006),
+        ("auto", 1, &lobatto, 0.03),
+        ("auto", 2, &lobatto, 0.03),
+        ("auto", 4, &lobatto, 0.006),
+    ];
+    for (points, parts, rule, off) in cases {
+        let model = pushed(points, parts, E / 100.0);
         let recording = completed(&model);
         let probes = &recording.rows.last().unwrap().probes;
         let turned = (probes[0] - probes[1]) / 100.0;
-        let g = 1.0 / 3.0_f64.sqrt();
         let half = 50.0 / f64::from(parts);
-        let rows: Vec<f64> = (0..parts)
-            .flat_map(|i| [-g, g].map(|g| -50.0 + half * (f64::from(2 * i + 1) + g)))
+        let at = |i: u32, (y, share): (f64, f64)| {
+            (
+                -50.0 + half * (f64::from(2 * i + 1) + y),
+                share / f64::from(parts),
+            )
+        };
+        let rows: Vec<(f64, f64)> = (0..parts)
+            .flat_map(|i| rule.iter().map(move |point| at(i, *point)))
             .collect();
         let on_rows = rotation_on_rows(&rows, E);
-        println!("{parts}: {turned:e}, on rows {on_rows:e}, exact {exact:e}");
+        println!("{points} {parts}: {turned:e}, on rows {on_rows:e}, exact {exact:e}");
         // The block tilts by 6e-5, which moves its load by 0.006 of 30 mm; the blocks deform by 1e-3 of the joint.
         assert!(
             (turned / on_rows - 1.0).abs() < 3e-3,
-            "{parts}: {turned:e} {on_rows:e}"
+            "{points} {parts}: {turned:e} {on_rows:e}"
         );
-        // Errors of composite quadrature for a line with a kink, 3.7, 1.6 and 0.5 % by the equations above.
+        // Errors of composite quadrature for a line with a kink: 3.7, 1.6 and 0.5 %, and 2.9, 2.8 and 0.6 % of
+        // Lobatto points, by the equations above.
         assert!(
             (on_rows / exact - 1.0).abs() < off,
-            "{parts}: {on_rows:e} {exact:e}"
+            "{points} {parts}: {on_rows:e} {exact:e}"
         );
     }
-    let (_, falls) = run(&pushed(1, E / 100.0));
+    let (_, falls) = run(&pushed("gauss", 1, E / 100.0));
     assert_ne!(falls.status, Status::Completed);
 }
 

@@ -173,6 +173,21 @@ fn a_derived_deck_reads_back() {
     }
 }
 
+/// So does one whose rigid wall stands on a block with a joint that has no stiffness of its own.
+#[test]
+fn a_rigid_wall_on_a_block_reads_back() {
+    let block = "[[blocks]]\nname = \"base\"\nsize = [990, 98, 60]\nat = [0, 0, -60]\nmaterial = \"brick\"\n\
+                 [[contacts]]\nslave = \"base.top\"\nmaster = \"wall.bottom\"\ninterface = \"joint\"\n";
+    let deck = wall(
+        "rigid",
+        "length = 990\ncourses = 6\nclamped = false",
+        &format!("{block}[[supports]]\non = \"base\"\n[[steps]]\nkind = \"gravity\"\n"),
+    );
+    let text = deck.to_toml().unwrap();
+    let again = Deck::from_str(&text, "model.toml").unwrap_or_else(|e| panic!("{e}"));
+    assert!(deck == again, "{text}");
+}
+
 /// A unit pulled along the wall cracks in its middle at its tensile strength.
 #[test]
 fn a_pulled_unit_cracks_in_its_middle() {

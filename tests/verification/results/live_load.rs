@@ -105,6 +105,23 @@ fn a_suction_has_the_peak_of_a_pressure() {
     }
 }
 
+/// The curve of a spring drive does not begin at the preload of a face, whose increments show the force of that face.
+#[test]
+fn a_spring_drive_does_not_begin_at_a_preload() {
+    let deck = deck(
+        0.9,
+        &format!(
+            "{BLOCK}[[springs]]\nname = \"rod\"\non = \"block.right\"\nstiffness = [100, 0, 0]\n[[steps]]\nkind = \
+             \"preload\"\nface = \"block.top\"\npressure = \"0.5 MPa\"\nfree = [\"x\", \"y\"]\n[[steps]]\nkind = \
+             \"drive\"\nspring = \"rod\"\ndirection = \"x\"\ndisplacement = 5\n"
+        ),
+    );
+    let (curve, ..) = curve(&deck);
+    // The rod has 100 N/mm, the block on its joint some thousand times as much.
+    let stiffness = curve.initial_stiffness().unwrap();
+    assert!((stiffness / 0.1 - 1.0).abs() < 0.01, "{stiffness}");
+}
+
 /// The curve is that of the load that turns the block, whatever lies on it.
 #[test]
 fn a_load_that_lies_on_a_block_is_not_its_peak() {

@@ -343,6 +343,18 @@ fn all_modes_together_have_the_moving_mass() {
     );
 }
 
+/// A basis of all vectors of a small scene has rounding errors of its largest eigenvalues.
+#[test]
+fn a_free_element_has_six_motions_without_frequency() {
+    for size in [[100.0; 3], [300.0, 200.0, 20.0]] {
+        let mut model = scene::empty();
+        let solid = scene::heavy(E, 0.2, DENSITY);
+        scene::block(&mut model, [0.0; 3], size, [1, 1, 1], &solid);
+        let found = at_rest(&model, 8);
+        assert_eq!((found.free, found.unstable), (6, 0), "{size:?}");
+    }
+}
+
 #[test]
 fn a_free_block_has_six_motions_without_frequency() {
     let mut model = scene::empty();

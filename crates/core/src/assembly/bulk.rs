@@ -289,7 +289,8 @@ impl MaterialCurves {
     }
 }
 
-/// Coordinates relative to the first corner, in units of [`SAME`] times the element's size.
+/// Coordinates relative to the first corner, in units of [`SAME`] times the element's size, and the exponent of that
+/// size: elements that are similar, but not of one size, differ in it alone.
 fn shape_key(corners: &[[f64; 3]; 8]) -> Vec<i64> {
     let size = (0..3)
         .map(|i| {
@@ -299,9 +300,10 @@ fn shape_key(corners: &[[f64; 3]; 8]) -> Vec<i64> {
         })
         .fold(0.0, f64::max);
     // Rounding up to a power of two gives the same unit to sizes that differ by rounding.
-    let unit = SAME * size.max(f64::MIN_POSITIVE).log2().ceil().exp2();
-    corners
+    let exponent = size.max(f64::MIN_POSITIVE).log2().ceil();
+    let unit = SAME * exponent.exp2();
+    let places = corners
         .iter()
-        .flat_map(|c| (0..3).map(move |i| ((c[i] - corners[0][i]) / unit).round() as i64))
-        .collect()
+        .flat_map(|c| (0..3).map(move |i| ((c[i] - corners[0][i]) / unit).round() as i64));
+    std::iter::once(exponent as i64).chain(places).collect()
 }

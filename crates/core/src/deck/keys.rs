@@ -112,7 +112,7 @@ top_courses = 1
 [element]
 formulation = "incompatible"  # or "full", "b-bar"
 [contact]
-points = "gauss"  # or "corner"
+points = "auto"  # or "gauss", "corner"
 parts = [1, 3, 1]
 search_radius = "5 mm"
 general = "dry"  # an interface with f_t = 0 and c = 0

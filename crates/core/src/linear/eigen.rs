@@ -24,6 +24,9 @@ const LOWER: f64 = 100.0;
 const ATTEMPTS: usize = 4;
 /// Largest relative residual of a pair: ‖(λ − σ) (K − σ M)⁻¹ M x − x‖_M. The eigenvalue errs by its square.
 const TOLERANCE: f64 = 1e-6;
+/// The same where rounds no longer reduce it: rounding of the largest eigenvalues over the shift. It remains at the
+/// motions of free bodies, whose eigenvalues are zero.
+const ROUNDED: f64 = 1e-5;
 /// Blocks of a round.
 const DEPTH: usize = 4;
 /// Most rounds.
@@ -170,13 +173,14 @@ pub fn lowest(
         n,
         solves: 0,
     };
-    let (mut basis, rounds) = if DEPTH * width >= n {
-        (search.all(), 1)
+    // Where a basis of all vectors leaves rounding errors of the largest eigenvalues, the next rounds remove them.
+    let mut basis = if DEPTH * width >= n {
+        search.all()
     } else {
-        (search.begin(width), ROUNDS)
+        search.begin(width)
     };
-    let mut worst = f64::INFINITY;
-    for _ in 0..rounds {
+    let (mut worst, mut before) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..ROUNDS {
         let found = search.ritz(&basis, width);
         let next = search.invert(&found.vectors)?;
         let pairs = search.pairs(&found, &next, shift);
@@ -184,7 +188,9 @@ pub fn lowest(
             .iter()
             .map(|p| p.residual)
             .fold(0.0, f64::max);
-        if worst <= TOLERANCE {
+        let stays = worst <= ROUNDED && worst > 0.5 * before;
+        before = worst;
+        if worst <= TOLERANCE || stays {
             return Ok(Lowest {
                 pairs: pairs.into_iter().take(wanted).collect(),
                 shift,
@@ -195,7 +201,7 @@ pub fn lowest(
     }
     Err(EigenError::NotConverged {
         residual: worst,
-        rounds,
+        rounds: ROUNDS,
     })
 }
 

@@ -348,8 +348,10 @@ impl ModelBuilder {
     ///
     /// # Errors
     /// [`BuildError`]: the first fault.
-    pub fn build(self) -> Result<Model, BuildError> {
+    pub fn build(mut self) -> Result<Model, BuildError> {
         check(&self.model)?;
+        let Model { mesh, contact, .. } = &mut self.model;
+        contact.divide([1; 3], &mesh.nodes);
         Ok(self.model)
     }
 }

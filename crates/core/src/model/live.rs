@@ -88,10 +88,13 @@ impl Model {
         let live = self.live_load();
         let last = self.steps.iter().rev().find_map(Drive::of);
         let any = self.steps.iter().any(Step::drives);
-        let other = |step: &Step| {
-            Drive::of(step)
-                .zip(last)
-                .is_some_and(|(own, last)| !own.is_like(last))
+        let other = |step: &Step| match (Drive::of(step), last) {
+            (Some(own), Some(last)) => !own.is_like(last),
+            // The increments of a preload show the beam that it presses.
+            (None, Some(last)) => step
+                .driven
+                .is_some_and(|pressed| last.spring || pressed.beam != last.index),
+            _ => false,
         };
         // Where another drive comes first, the increments before it show that one.
         let rest = if self.steps.iter().any(other) {

@@ -266,12 +266,24 @@ pub struct GroundMotion {
     pub acceleration: [Vec<[f64; 2]>; 3],
 }
 
+/// Part by which intervals of an even record may differ.
+const EVEN: f64 = 0.1;
+
 impl GroundMotion {
-    /// Smallest mean interval of the rows of a record [s]. Infinite without records.
+    /// Smallest interval between two rows of a record [s]. Infinite without records.
     pub fn spacing(&self) -> f64 {
         let records = self.acceleration.iter().filter(|rows| rows.len() > 1);
-        let spacing =
-            |rows: &Vec<[f64; 2]>| (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
+        let spacing = |rows: &Vec<[f64; 2]>| {
+            let mean = (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
+            let intervals = rows.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+            let least = intervals.filter(|dt| *dt > 0.0).fold(mean, f64::min);
+            // Times of an even record are rounded.
+            if least > (1.0 - EVEN) * mean {
+                mean
+            } else {
+                least
+            }
+        };
         records.map(spacing).fold(f64::INFINITY, f64::min)
     }
 
@@ -436,5 +448,25 @@ impl Default for Tolerance {
             residual: 5e-2,
             max_iterations: 25,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_is_as_fine_as_its_shortest_interval() {
+        let record = |times: &[f64]| GroundMotion {
+            acceleration: [
+                times.iter().map(|t| [*t, 1.0]).collect(),
+                Vec::new(),
+                Vec::new(),
+            ],
+        };
+        assert_eq!(record(&[0.0, 0.5, 0.501, 2.0]).spacing(), 0.501 - 0.5);
+        // Rounded times of an even record.
+        assert_eq!(record(&[0.0, 0.0033, 0.0067, 0.01]).spacing(), 0.01 / 3.0);
+        assert_eq!(GroundMotion::default().spacing(), f64::INFINITY);
     }
 }

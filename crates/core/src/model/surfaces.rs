@@ -3,7 +3,10 @@
 use super::general::GeneralContact;
 use crate::element::hexahedron::norm;
 use crate::material::ElasticParameters;
-use wythe_contact::{InterfaceLaw, JointLaw, Output, Part, Surface};
+use wythe_contact::{
+    InterfaceLaw, JointLaw, Output, Part, SlavePoint, Surface, corner_points, gauss_points,
+    lobatto_points,
+};
 
 /// Where an interface is sampled on a slave facet.
 #[derive(
@@ -19,10 +22,12 @@ use wythe_contact::{InterfaceLaw, JointLaw, Output, Part, Surface};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactPoints {
-    /// 2×2 Gauss points; for bonded walls.
+    /// 4×4 Lobatto points, which include the corners, in dry joints, and 2×2 Gauss points in all others.
     #[default]
+    Auto,
+    /// 2×2 Gauss points.
     Gauss,
-    /// The four corners, moved inwards by 1e-6 of the facet; for dry joints and rigid blocks.
+    /// The four corners, moved inwards by 1e-6 of the facet.
     Corner,
 }
 
@@ -120,18 +125,51 @@ impl ContactSurfaces {
             .is_none_or(|part| part.reaches(0))
     }
 
+    /// Contact points of an entry of the slave facets, for nodes at `x` [mm].
+    pub fn sampled(&self, facet: usize, x: &[[f64; 3]]) -> [SlavePoint; 4] {
+        let corners = self.slave_facets[facet].map(|n| x[n as usize]);
+        let part = self.part(facet);
+        match self.points {
+            // A facet that was never divided has no quarters.
+            ContactPoints::Auto if self.samples_edges(facet) => lobatto_points(&corners, &part),
+            ContactPoints::Auto | ContactPoints::Gauss => gauss_points(&corners, &part),
+            ContactPoints::Corner => corner_points(&corners, &part),
+        }
+    }
+
+    /// Whether the joint of an entry of the slave facets has no bond from the start.
+    fn is_dry(&self, facet: usize) -> bool {
+        let law = self.slave_law.get(facet).map(|law| usize::from(*law));
+        let law = law.and_then(|law| self.laws.get(law));
+        law.is_some_and(JointLaw::is_dry)
+    }
+
+    /// Whether contact points lie on the edges of an entry of the slave facets.
+    pub fn samples_edges(&self, facet: usize) -> bool {
+        match self.points {
+            ContactPoints::Auto => self.is_dry(facet) && self.part(facet) != Part::WHOLE,
+            ContactPoints::Gauss => false,
+            ContactPoints::Corner => true,
+        }
+    }
+
     /// Divides every slave facet into parts, for nodes at `x` [mm]. `counts` are the numbers of parts along x, y and
-    /// z; each of the two directions of a facet takes the number of the axis that it follows.
+    /// z; each of the two directions of a facet takes the number of the axis that it follows. Each of these parts is
+    /// quartered if it has 4 × 4 points.
     pub(crate) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
-        if counts == [1; 3] {
+        let quartered = |f: usize| self.points == ContactPoints::Auto && self.is_dry(f);
+        let quartered: Vec<bool> = (0..self.slave_facets.len()).map(quartered).collect();
+        if counts == [1; 3] && !quartered.contains(&true) {
             return;
         }
         let facets = std::mem::take(&mut self.slave_facets);
         let bodies = std::mem::take(&mut self.slave_body);
         let laws = std::mem::take(&mut self.slave_law);
-        for ((facet, body), law) in facets.into_iter().zip(bodies).zip(laws) {
+        let all = facets.into_iter().zip(bodies).zip(laws).zip(quartered);
+        for (((facet, body), law), quartered) in all {
             let axes = directions(&facet.map(|n| x[n as usize]));
-            for part in Part::grid(axes.map(|axis| counts[axis])) {
+            let times = 1 + u32::from(quartered);
+            for part in Part::grid(axes.map(|axis| times * counts[axis])) {
                 self.add_slave(facet, body, law);
                 self.slave_part.push(part);
             }

@@ -60,9 +60,14 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     let run = Branch::new(&points, side);
     let (test, mirrored) = Branch::towards(&experiment.points, side);
     let common = common_range(&run, &test);
-    // The curve of the run is read as by all other commands, that of a cyclic test by its envelope.
     let of_run = measures(&curve.along(side), &run, common, height);
-    let of_test = measures(&Curve::of_points(test.points()), &test, common, height);
+    // Loops of a test are read as those of a run.
+    let all = Curve::of_points(&experiment.points).along(if mirrored { -side } else { side });
+    let of_test = if all.turns_back() {
+        measures(&all, &test, common, height)
+    } else {
+        measures(&Curve::of_points(test.points()), &test, common, height)
+    };
     let rms = common.and_then(|range| root_mean_square(&run, &test, range));
     Comparison {
         experiment_name: experiment.name.clone(),

@@ -173,7 +173,7 @@ impl Curve {
         best.map(|(_, peak)| peak)
     }
 
-    /// Whether the drive is cyclic: it moves both ways by more than half of its range.
+    /// Whether the drive is cyclic: it moves both ways by at least half of its range.
     pub fn turns_back(&self) -> bool {
         let ways = || {
             std::iter::once(&self.start)
@@ -185,7 +185,7 @@ impl Curve {
             let mut farthest = f64::NEG_INFINITY;
             ways().any(|d| {
                 farthest = farthest.max(sign * d);
-                sign * d < farthest - 0.5 * range
+                sign * d <= farthest - 0.5 * range * (1.0 - ROUNDING)
             })
         };
         // A drive that only moves outwards returns for one of the signs.
@@ -225,6 +225,25 @@ impl Curve {
             _ => force,
         };
         sign * (force - before)
+    }
+
+    /// Rise of the force over the last `part` of the farthest travel on one side of the start, along the envelope of the
+    /// loops [kN].
+    pub(super) fn rises_outwards(&self, side: f64, part: f64) -> f64 {
+        let envelope = self.envelope(side);
+        let Some(&(end, _)) = envelope.last() else {
+            return 0.0;
+        };
+        // The largest force at the end: loops may reach it several times.
+        let at_end = envelope.iter().filter(|p| p.0 >= end * (1.0 - ROUNDING));
+        let force = at_end.map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
+        let from = (1.0 - part) * end;
+        let first = envelope.iter().position(|p| p.0 >= from);
+        let before = match first {
+            Some(i) if i > 0 => at(envelope[i - 1], envelope[i], from),
+            _ => side * self.start.1,
+        };
+        force - before
     }
 
     /// Whether the force has fallen below its largest value, which makes that value a peak. Unloading is no fall.

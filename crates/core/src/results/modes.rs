@@ -20,6 +20,7 @@ use crate::deck::Deck;
 use crate::error::{DeckError, IoError};
 use crate::files::write_whole;
 use crate::model::Model;
+use crate::model::ties::TieStage;
 use crate::solve::vibration::{About, Mode, Modes, VibrationError, modes};
 use crate::state::{Frame, InterfaceFrame, InterfaceState, OutputField};
 
@@ -187,11 +188,22 @@ impl FoundModes {
         })
     }
 
+    /// Whether a step prestresses ties; frames do not store it.
+    fn has_stressed_ties(&self) -> bool {
+        let mut stages = self.model.steps.iter().flat_map(|step| &step.ties);
+        stages.any(|stage| matches!(stage, TieStage::Stressed(_)))
+    }
+
     /// State and stiffness in words.
     pub fn stiffness(&self) -> &'static str {
         match self.frame {
             None => {
                 "at rest without preload: elastic, joints that touch are closed with their elastic stiffness"
+            }
+            Some(_) if self.has_stressed_ties() => {
+                "secant at the frame: damage of the solids, joints closed under pressure, by their secant in \
+                 tension, without stiffness where open; ties WITHOUT their prestress: those that it keeps taut may \
+                 count as slack"
             }
             Some(_) => {
                 "secant at the frame: damage of the solids, joints closed under pressure, by their secant in \

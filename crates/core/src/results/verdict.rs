@@ -134,9 +134,18 @@ impl Verdict {
                 text: format!("peaks of {both} passed in loops"),
             };
         }
+        let rises = |side: f64| curve.rises_outwards(side, LAST) > RISES * peak.force.abs();
+        if rises(1.0) || rises(-1.0) {
+            return Self {
+                kind: VerdictKind::StillRising,
+                text: format!("still rising where the drive is farthest out: {both}, no peak yet"),
+            };
+        }
         Self {
-            kind: VerdictKind::StillRising,
-            text: format!("still rising where the drive is farthest out: {both}, no peak yet"),
+            kind: VerdictKind::Plateau,
+            text: format!(
+                "neither rising nor falling where the drive is farthest out: at most {both}"
+            ),
         }
     }
 

@@ -17,13 +17,12 @@ use wythe_contact::pairs::{RIM, STAY};
 use wythe_contact::surface::blend;
 use wythe_contact::{
     Aabb, Candidates, InterfaceHistory, InterfaceLaw, JointLaw, Kinematics, PointPair, PointStatus,
-    SlavePoint, Surface, corner_points, gauss_points,
+    SlavePoint, Surface,
 };
 
 use super::numerical_stiffness::{FIRM, WELL_WITHIN, numerical_stiffness};
 use super::trial::{STIFFEST, Trial};
 use crate::model::Model;
-use crate::model::scene::ContactPoints;
 use crate::state::State;
 
 /// Search radius across a gap over the mean edge of the facets, if the deck has no `search_radius`. A point with a
@@ -66,6 +65,8 @@ pub struct Contact {
     distances: Distances,
     /// Positions at the last search of candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
+    /// How deep behind facets that search went [mm].
+    searched_deep: f64,
 }
 
 /// Distances of the search.
@@ -89,13 +90,8 @@ fn points_at_rest(model: &Model, slave: &Surface) -> (Vec<SlavePoint>, Vec<f64>)
     let mut points = Vec::with_capacity(4 * slave.facets.len());
     let mut share = Vec::with_capacity(points.capacity());
     for (f, facet) in slave.facets.iter().enumerate() {
-        let corners = slave.corners(f, &model.mesh.nodes);
         let planes = surfaces.planes(f);
-        let of_facet = match surfaces.points {
-            ContactPoints::Gauss => gauss_points(&corners, &surfaces.part(f)),
-            ContactPoints::Corner => corner_points(&corners, &surfaces.part(f)),
-        };
-        for mut point in of_facet {
+        for mut point in surfaces.sampled(f, &model.mesh.nodes) {
             let part = model.mesh.point_share(facet, &point.weights, planes);
             share.push(part);
             point.area *= part;
@@ -188,6 +184,7 @@ impl Contact {
                 step: STEP * edge,
             },
             searched_at: Vec::new(),
+            searched_deep: 0.0,
         }
     }
 
@@ -252,12 +249,18 @@ impl Contact {
         &self.searched_at
     }
 
-    /// Searches candidates at positions `x` [mm] `[node]`.
-    pub fn search_from(&mut self, x: &[[f64; 3]]) {
+    /// How deep behind facets that search went [mm].
+    pub fn searched_deep(&self) -> f64 {
+        self.searched_deep
+    }
+
+    /// Searches candidates at positions `x` [mm] `[node]`, up to `deep` [mm] behind facets.
+    pub fn search_from(&mut self, x: &[[f64; 3]], deep: f64) {
         let boxes: Vec<Aabb> = (0..self.slave.facets.len())
             .map(|f| Aabb::of(&self.positions(f, x)))
             .collect();
-        let reach = self.distances.radius + self.distances.skin;
+        let reach = deep.max(self.distances.radius) + self.distances.skin;
+        self.searched_deep = deep;
         let found = Candidates::find(&self.slave, &boxes, &self.master, x, reach);
         self.searched_at.clear();
         self.searched_at.extend_from_slice(x);

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use wythe_contact::pairs::stays_on;
 use wythe_contact::surface::blend;
-use wythe_contact::{PointPair, extend, pair_point};
+use wythe_contact::{PointPair, Reach, extend, pair_point};
 
 use super::{Contact, Distances};
 use crate::assembly::Trial;
@@ -17,7 +17,8 @@ impl Contact {
         // known.
         let seen = trial.joints.seen_at == *x;
         if self.has_moved(x) {
-            self.search_from(x);
+            let deep = self.depth_to_search(&trial.joints.pairs, &trial.joints.free, x);
+            self.search_from(x, deep);
         }
         trial.joints.forget_unless(seen, self.points.len());
         let (free, x_start) = (&trial.joints.free, &trial.x_start);
@@ -41,17 +42,25 @@ impl Contact {
                         (*pair, *anchor) = <_>::default();
                         continue;
                     }
-                    let known = (pair.facet)
-                        .filter(|_| seen && stays_on(pair.xi) && gaps[p].abs() <= radius);
                     let is_free = free[4 * f + p];
+                    // However deep a joint is pressed, it keeps its points.
+                    let held = !is_free && pair.facet.is_some();
+                    let near = gaps[p] <= radius && (held || gaps[p] >= -radius);
+                    let known = (pair.facet).filter(|_| seen && stays_on(pair.xi) && near);
                     let depth = if is_free { behind } else { step };
                     let above = known.is_some() && gaps[p] >= -depth;
                     let found = known.map(|facet| (facet, pair.xi));
-                    let found = found.or_else(|| self.pair(f, p, *pair, x));
+                    let found = found.or_else(|| self.pair(f, p, *pair, held, x));
                     let comes = |&(facet, xi): &(u32, [f64; 2])| {
-                        let stays = !is_free && anchor.facet == Some(facet);
-                        stays
-                            || above
+                        if !is_free && anchor.facet == Some(facet) {
+                            return true;
+                        }
+                        let depth = if held {
+                            depth + self.depth(4 * f + p, *anchor, x)
+                        } else {
+                            depth
+                        };
+                        above
                             || x_start.is_empty()
                             || !self.is_behind(depth, &self.position(f, p, x), facet, xi, x)
                             || !self.is_behind(
@@ -90,6 +99,7 @@ impl Contact {
         f: usize,
         p: usize,
         before: PointPair,
+        held: bool,
         x: &[[f64; 3]],
     ) -> Option<(u32, [f64; 2])> {
         let present = before.facet.map(|facet| (facet, before.xi));
@@ -101,8 +111,39 @@ impl Contact {
             candidates,
             &self.master,
             x,
-            [self.distances.radius, self.distances.rim],
+            Reach {
+                radius: self.distances.radius,
+                rim: self.distances.rim,
+                held,
+            },
         )
+    }
+
+    /// How deep behind facets to search for candidates [mm]: nothing if no point is pressed deeper than half the search
+    /// radius, else the next power of two times this radius above twice the depth.
+    fn depth_to_search(&self, pairs: &[PointPair], free: &[bool], x: &[[f64; 3]]) -> f64 {
+        let held = pairs.iter().zip(free).enumerate();
+        let held = held.filter(|(p, (_, is_free))| !**is_free && !self.is_image(*p));
+        let depth = held.map(|(p, (pair, _))| self.depth(p, *pair, x));
+        let depth = depth.fold(0.0, f64::max);
+        let radius = self.distances.radius;
+        if depth <= 0.5 * radius {
+            return 0.0;
+        }
+        let times = (2.0 * depth / radius).log2().ceil().exp2();
+        if times.is_finite() {
+            radius * times
+        } else {
+            radius
+        }
+    }
+
+    /// Depth of a point behind the facet of its pair [mm]; 0 without one, and in front of it.
+    fn depth(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> f64 {
+        let Some(facet) = pair.facet else { return 0.0 };
+        let point = self.position(p / 4, p % 4, x);
+        let foot = extend(&point, &self.master.corners(facet as usize, x), pair.xi);
+        foot.map_or(0.0, |foot| (-foot.gap).max(0.0))
     }
 
     /// Position of a point of a facet [mm].

@@ -8,7 +8,7 @@ use crate::deck::symmetry::{self, Plane};
 use crate::model::Model;
 use crate::model::floors::Floor;
 use crate::model::mirrored::{self, MirrorPlane};
-use crate::model::scene::{ContactPoints, Fidelity, Rayleigh};
+use crate::model::scene::{Fidelity, Rayleigh};
 use crate::model::sizes::sizes;
 use crate::model::ties::Tie;
 
@@ -244,13 +244,11 @@ pub(super) fn floor_notes(model: &Model) -> Vec<String> {
     model.floors.iter().map(note).collect()
 }
 
-/// Note on the pivots of rocking blocks. Gauss points, and so all pivots, lie (1 − 1/√3)/2 = 0.211 of a facet
-/// inside its edge (theory/joint.md, eq. 35).
+/// Note on the pivots of joints that open. Gauss points, and so pivots, lie (1 − 1/√3)/2 = 0.211 of a facet inside its
+/// edge (theory/joint.md, eq. 35).
 pub(super) fn pivot_note(model: &Model) -> Option<String> {
-    if model.contact.points == ContactPoints::Corner {
-        return None;
-    }
     let facets = 0..model.contact.slave_facets.len();
+    let facets = facets.filter(|f| !model.contact.samples_edges(*f));
     let longest = facets.flat_map(|f| {
         let outline = model.contact.outline(f, &model.mesh.nodes);
         (0..4).map(move |i| {
@@ -261,8 +259,8 @@ pub(super) fn pivot_note(model: &Model) -> Option<String> {
     let longest = longest.reduce(f64::max)?;
     let inset = (1.0 - 1.0 / 3.0_f64.sqrt()) / 2.0;
     Some(format!(
-        "contact: Gauss points move pivots inwards by {inset:.3} of a facet, up to {:.1} mm; for dry \
-         joints and rigid blocks take points = \"corner\"",
+        "contact: Gauss points move the pivots of joints that have parted inwards by {inset:.3} of a facet, up to \
+         {:.1} mm; contact.parts divides facets",
         inset * longest
     ))
 }

@@ -13,7 +13,9 @@ use super::schema::{
     Deck, DeckStep, Interface, Material, StepKind, Strategy, Subdivision, Vertical, Wall,
 };
 use super::wall_defaults;
+use crate::model::scene::ContactPoints;
 use joints::{Joint, Layers};
+use std::collections::BTreeSet;
 use units::Solid;
 
 /// Mesh of an expanded unit [length, height, thickness].
@@ -43,21 +45,30 @@ pub(super) fn derive(deck: &mut Deck) {
     let walls = walls.map(|(path, name, wall)| (path, name.to_owned(), wall.clone()));
     let walls: Vec<(String, String, Wall)> = walls.collect();
     let mut parts = [1; 3];
+    let first = walls.first().map(|(.., wall)| wall.clone());
     for (path, name, wall) in walls {
+        // Dry joints have points on the edges of their facets.
+        let dry = deck.interfaces.get(&wall.interface);
+        let dry = dry.is_some_and(Interface::is_dry) && deck.contact.points == ContactPoints::Auto;
         let (along, through) = wall.axes();
-        parts[along] = parts[along].max(PARTS_ALONG);
+        if !dry {
+            parts[along] = parts[along].max(PARTS_ALONG);
+        }
         let mut steps = deck.steps.iter();
         let bends = steps.any(|step| wall_defaults::bends(step, &name, &wall));
         let said = deck.simplified.as_ref().and_then(|said| said.mesh);
         let mut derived = Derivation::of(deck, &wall).wall();
         if bends && said.is_none() && !derived.rigid {
             derived.mesh.thickness = THROUGH;
-        } else if bends {
+        } else if bends && !dry {
             parts[through] = parts[through].max(THROUGH);
         }
         if let Some(wall) = deck.wall_mut(&path) {
             *wall = derived;
         }
+    }
+    if let Some(wall) = first.filter(|_| deck.strategy == Strategy::Rigid) {
+        Derivation::of(deck, &wall).give_stiffness();
     }
     let given = deck.contact.parts;
     deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
@@ -224,6 +235,40 @@ impl<'a> Derivation<'a> {
             }
         }
         self.add(&kind, derived, &format!("interfaces.{name}"))
+    }
+
+    /// Gives joints of the rigid units with blocks, beams and layers a stiffness as a bed joint of the wall has it, where
+    /// the deck gives none.
+    fn give_stiffness(&mut self) {
+        let [_, _, unit] = self.wall.unit.map(Quantity::get);
+        let joint = self.wall.bed_joint.get();
+        let deck = &self.deck;
+        let named = deck.contacts.iter().map(|contact| &contact.interface);
+        let named = named.chain(deck.beams.iter().map(|beam| &beam.interface));
+        let named = named.chain(deck.layers.iter().map(|layer| &layer.interface));
+        let named = named.chain(&deck.contact.general);
+        let lacks = |name: &&String| {
+            let known = deck.interfaces.get(*name);
+            known.is_some_and(|interface| interface.normal_stiffness.is_none())
+        };
+        let lacking: BTreeSet<String> = named.filter(lacks).cloned().collect();
+        for name in lacking {
+            let layers = Layers {
+                unit,
+                joint,
+                filled: 1.0,
+            };
+            let derived = self.interface(&name, "bed", layers);
+            let deck = &mut *self.deck;
+            let contacts = deck.contacts.iter_mut().map(|c| &mut c.interface);
+            let named = contacts.chain(deck.beams.iter_mut().map(|beam| &mut beam.interface));
+            let named = named.chain(deck.layers.iter_mut().map(|layer| &mut layer.interface));
+            for own in named.chain(&mut deck.contact.general) {
+                if *own == name {
+                    own.clone_from(&derived);
+                }
+            }
+        }
     }
 
     /// Adds the interface in the middle of units to the deck; none if they cannot crack.

@@ -56,7 +56,9 @@ impl Bilinear {
         let energy = area(&points) - from * ultimate;
         // V²/(2 k) − V d_u + A = 0: the smaller root, as d_y is below d_u.
         let root = ultimate * ultimate - 2.0 * energy / stiffness;
-        let force = stiffness * (ultimate - root.max(0.0).sqrt());
+        let most = side.points()[side.peak()].1 - from;
+        // A side to which the drive comes with slip has more area than a line from its start: V_u is at most F_max.
+        let force = (stiffness * (ultimate - root.max(0.0).sqrt())).min(most);
         let yields = force / stiffness;
         let is_one = root >= 0.0 && energy > 0.0 && yields > 0.0;
         is_one.then(|| Self {

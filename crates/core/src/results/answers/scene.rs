@@ -7,10 +7,8 @@ use crate::element::hexahedron::{area_vector, range};
 use crate::model::Model;
 use crate::model::drive::{Drive, largest};
 use crate::model::mesh::WallOfUnits;
-use crate::model::surfaces::ContactPoints;
 use crate::results::Snapshot;
 use crate::results::comparison::clear_height;
-use wythe_contact::{corner_points, gauss_points};
 
 /// Direction of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,11 +154,7 @@ fn points(model: &Model, axis: usize) -> Vec<JointPoint> {
     let contact = &model.contact;
     let of = |facet: usize| {
         let corners = contact.slave_facets[facet].map(|n| model.mesh.nodes[n as usize]);
-        let part = contact.part(facet);
-        let sampled = match contact.points {
-            ContactPoints::Gauss => gauss_points(&corners, &part),
-            ContactPoints::Corner => corner_points(&corners, &part),
-        };
+        let sampled = contact.sampled(facet, &model.mesh.nodes);
         let outline = contact.outline(facet, &model.mesh.nodes);
         let size = area_vector(&outline).map(f64::abs);
         let lie = if size[2] >= size[0].max(size[1]) {

@@ -145,6 +145,31 @@ fn loops_are_read_along_their_envelope() {
     );
 }
 
+/// One cycle that ends where it began is a loop, and a slider neither rises nor falls in it.
+#[test]
+fn one_whole_cycle_is_a_loop() {
+    let cycle = [
+        (0.1, 10.0),
+        (1.0, 10.0),
+        (0.8, -10.0),
+        (-1.0, -10.0),
+        (-0.8, 10.0),
+        (0.0, 10.0),
+    ];
+    let slider = curve(&[], &cycle);
+    assert!(slider.turns_back());
+    assert_relative_eq!(slider.initial_stiffness().unwrap(), 100.0, epsilon = 1e-9);
+    assert_eq!(slider.opposite_peak().unwrap().force, -10.0);
+    for side in [1.0, -1.0] {
+        assert_relative_eq!(slider.rises_outwards(side, 0.1), 0.0, epsilon = 1e-12);
+    }
+    // Out and back by half is no loop.
+    assert!(!curve(&[], &[(1.0, 10.0), (2.0, 10.0), (1.1, 1.0)]).turns_back());
+    // 10 kN more over the second millimetre: 1 kN over its last two tenths.
+    let rises = curve(&[], &[(1.0, 10.0), (2.0, 20.0), (-2.0, -10.0), (0.0, 0.0)]);
+    assert_relative_eq!(rises.rises_outwards(1.0, 0.1), 2.0, epsilon = 1e-12);
+}
+
 #[test]
 fn a_reversed_drive_gives_the_same_values_with_opposite_signs() {
     let mirrored: Vec<_> = WALL.iter().map(|p| (-p.0, -p.1)).collect();

@@ -42,6 +42,8 @@ pub enum Rejection {
     Snap,
     /// The increment left the path for a distant equilibrium.
     Leap,
+    /// The path has slid back beyond the start of the drive.
+    Back,
     /// Part of all work done that the increment leaves unaccounted for [-].
     Energy(f64),
     /// No load factor leads as far along the path as the increment prescribes.

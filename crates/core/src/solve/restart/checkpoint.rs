@@ -50,6 +50,8 @@ pub struct Checkpoint {
     state: State,
     /// Positions at the last search for contact candidates [mm]. `[node]`
     searched_at: Vec<[f64; 3]>,
+    /// How deep behind facets that search went [mm].
+    searched_deep: f64,
     step_run: Mark,
     summary: Summary,
     clock: Clock,
@@ -223,6 +225,7 @@ impl<'m> Run<'m> {
             model: model.clone(),
             state: self.state.clone(),
             searched_at: self.system.contact.searched_at().to_vec(),
+            searched_deep: self.system.contact.searched_deep(),
             step_run: Mark {
                 index: step_run.index,
                 starts: step_run.newton.starts(),
@@ -259,7 +262,11 @@ impl<'m> Run<'m> {
         checkpoint: Checkpoint,
     ) -> Result<(Self, StepRun<'m>), RunError> {
         let mut run = Self::new(model, part)?;
-        run.take_state(checkpoint.state, &checkpoint.searched_at)?;
+        run.take_state(
+            checkpoint.state,
+            &checkpoint.searched_at,
+            checkpoint.searched_deep,
+        )?;
         let step_run = run.rejoin_step(checkpoint.step_run)?;
         run.summary = Summary {
             threads: run.summary.threads,
@@ -286,6 +293,7 @@ impl<'m> Run<'m> {
         &mut self,
         state: State,
         searched_at: &[[f64; 3]],
+        searched_deep: f64,
     ) -> Result<(), CheckpointError> {
         if !same_sizes(&state, &self.state) {
             return Err(CheckpointError::Unfit("the state has other sizes"));
@@ -297,12 +305,15 @@ impl<'m> Run<'m> {
             return Err(CheckpointError::Unfit(why));
         }
         let finite = |x: &[f64; 3]| x.iter().all(|x| x.is_finite());
-        if searched_at.len() != self.model.mesh.nodes.len() || !searched_at.iter().all(finite) {
+        if searched_at.len() != self.model.mesh.nodes.len()
+            || !searched_at.iter().all(finite)
+            || !searched_deep.is_finite()
+        {
             return Err(CheckpointError::Unfit(
                 "the search of contact was at no place",
             ));
         }
-        self.system.contact.search_from(searched_at);
+        self.system.contact.search_from(searched_at, searched_deep);
         self.state = state;
         Ok(())
     }

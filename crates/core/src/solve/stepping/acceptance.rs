@@ -22,6 +22,8 @@ const BREAKS: f64 = 0.005;
 const STIFFER: f64 = 1.05;
 /// Largest part of all work done that an increment may leave unaccounted for: half of the bound for a run.
 const LOST: f64 = 5e-3;
+/// Part of a branch of the amplitude by which a path may slide back beyond its start.
+const BACK: f64 = 0.02;
 /// Largest energy gain in an impact, as a part of the kinetic energy.
 const GAIN: f64 = 0.01;
 /// Part of the pressed contact points that must meet or part in an impact.
@@ -107,6 +109,7 @@ impl Run<'_> {
     ) -> Option<Rejection> {
         match request.method {
             Method::Static if self.is_snap(step_run) => Some(Rejection::Snap),
+            method if method.follows_path() && undoes_drive(step_run) => Some(Rejection::Back),
             Method::Dissipation if self.is_leap(step_run) => Some(Rejection::Leap),
             _ => self.energy_lost(step_run, request).map(Rejection::Energy),
         }
@@ -247,9 +250,11 @@ impl Run<'_> {
     /// Whether the increment that ends at the trial jumped over a snap-back whose path can be followed instead: much
     /// of the elastic energy was released (docs/theory/procedures.md, eq. 8).
     fn is_snap(&self, step_run: &StepRun) -> bool {
-        if !step_run.fallback.prefers_paths() {
-            return false;
-        }
+        step_run.fallback.prefers_paths() && self.releases(step_run)
+    }
+
+    /// Whether much of the elastic energy was released in the increment that ends at the trial.
+    pub(super) fn releases(&self, step_run: &StepRun) -> bool {
         let (system, trial) = (&self.system, &self.trial);
         let springs = system.spring_forces(trial);
         let stored = system.elastic_energy(trial, &springs);
@@ -283,6 +288,15 @@ impl Run<'_> {
         let dq: Vec<f64> = q.iter().zip(last).map(|(q, s)| q - s).collect();
         step_run.path.measure.is_left_by(&dq)
     }
+}
+
+/// Whether a path on which `auto` goes has slid back beyond the start of the present branch of the amplitude. A snap-back
+/// takes back a part of the drive, never all of it.
+fn undoes_drive(step_run: &StepRun) -> bool {
+    let branch = step_run.branch.of;
+    let range = (branch.to[1] - branch.from[1]).abs();
+    let forth = step_run.sense() * (step_run.newton.loading.factor - branch.from[1]);
+    step_run.step.procedure == Procedure::Auto && forth < -BACK * range
 }
 
 /// Ratio of the next increment size to this one (docs/theory/procedures.md, eq. 12). Below the size `floor`

@@ -76,6 +76,9 @@ pub(in crate::solve) fn why(
         ),
         Rejection::Linear { why, dof: None } => why.to_string(),
         Rejection::Snap => "the load must fall before it rises again (snap-back)".to_owned(),
+        Rejection::Back => {
+            "the path has slid back beyond the start of the drive or load".to_owned()
+        }
         Rejection::Leap => "the increment has left the path for an equilibrium far away".to_owned(),
         Rejection::Energy(part) => format!(
             "the increment leaves {:.1} % of the work done unaccounted for",

@@ -161,9 +161,17 @@ impl Run<'_> {
         };
         let beams =
             (0..model.beams.len()).map(|b| [0, 1, 2].map(|i| state.applied[dofs.beam_slot(b, i)]));
+        // A node that two supports hold in one direction counts with the first of them.
+        let mut counted = vec![[false; 3]; nodes];
         let supports = model.supports.iter().map(|support| {
-            let sum = |i: usize| support.nodes.iter().map(|&n| held(n as usize, i)).sum();
-            [0, 1, 2].map(|i| if support.fixed[i] { sum(i) } else { 0.0 })
+            [0, 1, 2].map(|i| {
+                if !support.fixed[i] {
+                    return 0.0;
+                }
+                let own = support.nodes.iter().map(|&n| n as usize);
+                let own = own.filter(|&n| !std::mem::replace(&mut counted[n][i], true));
+                own.map(|n| held(n, i)).sum()
+            })
         });
         beams.chain(supports).chain(resultants).collect()
     }

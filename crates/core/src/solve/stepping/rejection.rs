@@ -55,7 +55,7 @@ impl Run<'_> {
             return true;
         }
         let spent = if on_path {
-            !step_run.path.measure.cut(CUT)
+            *rejection == Rejection::Back || !step_run.path.measure.cut(CUT)
         } else {
             false
         };

@@ -217,6 +217,11 @@ impl<'m> Run<'m> {
                     true
                 }
                 Outcome::Converged(report) => match self.jump(&step_run, request) {
+                    None if self.jumps_over(&mut step_run, request) => {
+                        step_run.attempts.solves += report.iterations;
+                        self.cut_back(&mut step_run);
+                        self.cross_snap(&mut step_run, request, recorder)?
+                    }
                     None => self.accept(&mut step_run, request, report, recorder)?,
                     Some(rejection) => {
                         step_run.attempts.solves += report.iterations;

@@ -98,6 +98,32 @@ impl<'m> Run<'m> {
         Ok(self.reject(step_run, request, rejection, recorder))
     }
 
+    /// Whether the increment that ends at the trial jumps over a snap whose path could not be followed, so that a
+    /// relaxation should cross it instead. The straight line of the jump would count all the energy that it releases as
+    /// dissipation of the joints.
+    pub(super) fn jumps_over(&self, step_run: &mut StepRun<'m>, request: IncrementRequest) -> bool {
+        request.method == Method::Static
+            && step_run.step.procedure == Procedure::Auto
+            && step_run.fallback.is_last()
+            && self.releases(step_run)
+            && !step_run.snap.relaxations.passes_over()
+    }
+
+    /// Relaxes the structure over a snap; if that fails, the increment is tried once more.
+    pub(super) fn cross_snap(
+        &mut self,
+        step_run: &mut StepRun<'m>,
+        request: IncrementRequest,
+        recorder: &mut dyn Recorder,
+    ) -> Result<bool, RunError> {
+        let relaxed = self.relax(step_run, request, false, recorder);
+        step_run.snap.relaxations.learn(relaxed.is_some());
+        match relaxed {
+            Some(found) => self.accept_relaxed(step_run, request, found, recorder),
+            None => Ok(true),
+        }
+    }
+
     /// Whether a relaxation may help where an increment was rejected.
     fn may_relax(
         &self,
