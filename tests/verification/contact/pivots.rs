@@ -46,7 +46,7 @@ fn a_dry_wall_tips_over_its_edge() {
         let stood = recording
             .rows
             .iter()
-            .filter(|row| row.kinetic_energy_J < 1e-6);
+            .filter(|row| row.step == 1 && row.kinetic_energy_J < 1e-6);
         let factor = stood.map(|row| row.load_factor).fold(0.0, f64::max);
         let exact = 0.4_f64.atan().to_degrees() / 27.0;
         // The joints of 100 N/mm^3 give by some thousandths of the thickness at the edge, and the load at which a body

@@ -93,7 +93,7 @@ fn defaults_are_those_of_the_documentation() {
     assert_eq!(deck.wall.as_ref().unwrap().mesh, Subdivision::COARSE);
     let (model, _) = Model::from_deck(&deck).unwrap();
     assert_eq!(model.formulation, Formulation::Incompatible);
-    assert_eq!(model.contact.points, ContactPoints::Gauss);
+    assert_eq!(model.contact.points, ContactPoints::Auto);
     let step = &model.steps[1];
     assert_eq!(step.procedure, Procedure::Auto);
     assert_eq!((step.duration, step.tolerance.residual), (1.0, 5e-2));

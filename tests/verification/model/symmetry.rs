@@ -256,7 +256,8 @@ fn planes_cut_units_and_joints() {
         .slave_law
         .iter()
         .filter(|l| usize::from(**l) == law);
-    assert_eq!(facets.count(), 4);
+    // Four facets, each in quarters.
+    assert_eq!(facets.count(), 16);
     let notes = check(&deck, &model).notes;
     assert!(
         notes.iter().any(|n| n.contains("half of the whole")),

@@ -91,9 +91,7 @@ impl Model {
         let other = |step: &Step| match (Drive::of(step), last) {
             (Some(own), Some(last)) => !own.is_like(last),
             // The increments of a preload show the beam that it presses.
-            (None, Some(last)) => step
-                .driven
-                .is_some_and(|pressed| last.spring || pressed.beam != last.index),
+            (None, Some(last)) => last.spring && step.driven.is_some(),
             _ => false,
         };
         // Where another drive comes first, the increments before it show that one.

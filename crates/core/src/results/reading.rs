@@ -353,7 +353,22 @@ fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
         .filter(|step| is_path(step))
         .find_map(first_load);
     let live = steered.or_else(|| steps.iter().rev().find_map(first_load));
-    let another = steps.iter().any(|step| drives(step) && drive(step) != last);
+    // The increments of a preload before the drive of a spring show the face that it presses.
+    let by_spring = last
+        .as_ref()
+        .is_some_and(|([.., spring], _)| spring.is_some());
+    let presses = |step: &toml::Value| {
+        let kind = step.get("kind").and_then(toml::Value::as_str);
+        by_spring && kind == Some("preload")
+    };
+    let is_other = |step: &toml::Value| {
+        if drives(step) {
+            drive(step) != last
+        } else {
+            presses(step)
+        }
+    };
+    let another = steps.iter().any(is_other);
     let of = |step: &toml::Value| StepOfCurve {
         driven: if any {
             drives(step) && drive(step) == last

@@ -426,7 +426,8 @@ def blocks(
     imports
         Imported meshes (:func:`mesh`).
     points
-        Contact points: ``"corner"`` for rocking and sliding blocks, ``"gauss"`` for bonded ones.
+        Contact points: ``"corner"`` for rocking and sliding blocks, ``"gauss"`` for bonded ones, ``"auto"`` as decks
+        have them by default.
     general
         Dry interface for contact between any faces of different bodies; without it only ``contacts`` are
         considered.

@@ -5,6 +5,7 @@ use crate::deck::keys;
 use crate::deck::quantity::{Number, Quantity};
 use crate::deck::schema::{DeckAmplitude, DeckLoad, DeckProbe, DeckProcedure, DeckStep, StepKind};
 use crate::model::columns::FIXED;
+use crate::model::reactions;
 
 impl Checks<'_> {
     /// Checks the loads of all steps: the place of a load is given once, and its kind does not change.
@@ -40,7 +41,9 @@ impl Checks<'_> {
             let (path, name) = (format!("{path}.name"), &load.name);
             self.plain_name(&path, name, "column");
             for column in load.columns() {
-                let again = taken.contains(&column) || FIXED.contains(&column.as_str());
+                let again = taken.contains(&column)
+                    || FIXED.contains(&column.as_str())
+                    || reactions::is_column(&column);
                 self.require(
                     !again,
                     &path,

@@ -5,6 +5,7 @@ use crate::deck::keys;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{DeckProbe, Heading, ProbeQuantity};
 use crate::model::columns::FIXED;
+use crate::model::reactions;
 
 impl Checks<'_> {
     pub(super) fn probes(&mut self) {
@@ -18,7 +19,9 @@ impl Checks<'_> {
             let name = &probe.name;
             self.plain_name(&format!("{path}.name"), name, "column");
             self.require(
-                !columns[..i].contains(column) && !FIXED.contains(&column.as_str()),
+                !columns[..i].contains(column)
+                    && !FIXED.contains(&column.as_str())
+                    && !reactions::is_column(column),
                 &format!("{path}.name"),
                 || format!("there are two columns named `{column}`"),
                 "give each probe a name of its own",
