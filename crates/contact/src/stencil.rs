@@ -42,18 +42,19 @@ pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
     )
 }
 
-/// Those of 4 × 4 Lobatto points that lie in a part, a quarter of the rectangle that they sample. They include the
-/// corners of the rectangle, moved inwards by 1e-6 of the part's half size, and integrate polynomials of degree 5.
-/// Neighbouring parts of a [grid](Part::grid) with even numbers make one rectangle.
-pub fn lobatto_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
+/// Points of a part with Lobatto points in the directions `by` and Gauss points in the others. Of four Lobatto points
+/// of a rectangle, which include its ends, moved inwards by 1e-6 of the part's half size, and integrate polynomials of
+/// degree 5, a part has the two on its side: neighbouring parts of a [grid](Part::grid) with even numbers make one
+/// rectangle.
+pub fn lobatto_points(corners: &[[f64; 3]; 4], part: &Part, by: [bool; 2]) -> [SlavePoint; 4] {
     // On [-1, 1] the inner points are ±1/√5 with weight 5/6, the outer ones ±1 with weight 1/6.
     let inner = 2.0 / 5.0_f64.sqrt() - 1.0;
-    let along = part.is_second().map(|is_second| {
-        if is_second {
-            [(inner, 5.0 / 6.0), (RIM, 1.0 / 6.0)]
-        } else {
-            [(-RIM, 1.0 / 6.0), (-inner, 5.0 / 6.0)]
-        }
+    let gauss = 1.0 / 3.0_f64.sqrt();
+    let is_second = part.is_second();
+    let along = [0, 1].map(|d| match (by[d], is_second[d]) {
+        (true, true) => [(inner, 5.0 / 6.0), (RIM, 1.0 / 6.0)],
+        (true, false) => [(-RIM, 1.0 / 6.0), (-inner, 5.0 / 6.0)],
+        (false, _) => EVEN.map(|(side, share)| (side * gauss, share)),
     });
     sample(corners, part, along)
 }

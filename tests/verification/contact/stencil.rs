@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use wythe::contact::projection::project;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
-    Anchor, Kinematics, Part, SlavePoint, corner_points, gauss_points, write_stiffness,
+    Anchor, Kinematics, Part, SlavePoint, corner_points, gauss_points, lobatto_points,
+    write_stiffness,
 };
 
 /// Slave corners 0 to 3, master corners 4 to 7 [mm].
@@ -261,6 +262,56 @@ fn slip_is_measured_from_the_anchor() {
     let elsewhere = Anchor::At([1.0, 1.5, 0.0]);
     let other = Kinematics::new(&slave, &[0.25; 4], &master, [0.0; 2], elsewhere).expect("a foot");
     assert!((0..2).all(|k| (kin.slip[k] - other.slip[k]).abs() < 1e-15));
+}
+
+/// Lobatto points of two neighbouring parts integrate polynomials of degree 5 over both, and lie at their ends. In the
+/// other direction the points are those of Gauss.
+#[test]
+fn lobatto_points_integrate_to_the_edges() {
+    let corners = [
+        [-1.0, -1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+    ];
+    let along = |points: &[SlavePoint], d: usize| -> Vec<(f64, f64)> {
+        let place = |p: &SlavePoint| (0..4).map(|a| p.weights[a] * corners[a][d]).sum();
+        points.iter().map(|p| (place(p), p.area)).collect()
+    };
+    let parts = Part::grid([2, 1]).flat_map(|part| lobatto_points(&corners, &part, [true, false]));
+    let points: Vec<SlavePoint> = parts.collect();
+    for power in 0..=5 {
+        let exact = if power % 2 == 0 {
+            4.0 / f64::from(power + 1)
+        } else {
+            0.0
+        };
+        let sum: f64 = along(&points, 0)
+            .iter()
+            .map(|(x, area)| area * x.powi(power))
+            .sum();
+        // The outer points lie 5e-7 inside the ends.
+        assert!((sum - exact).abs() < 1e-5, "{power}: {sum} {exact}");
+    }
+    let farthest = along(&points, 0)
+        .iter()
+        .map(|(x, _)| x.abs())
+        .fold(0.0, f64::max);
+    assert!((farthest - 1.0).abs() < 1e-6);
+    assert!(
+        along(&points, 1)
+            .iter()
+            .all(|(y, _)| (y.abs() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12)
+    );
+    // Four parts in a row are two such pairs.
+    let row: Vec<SlavePoint> = Part::grid([4, 1])
+        .flat_map(|part| lobatto_points(&corners, &part, [true, false]))
+        .collect();
+    let at_the_middle = along(&row, 0)
+        .iter()
+        .filter(|(x, _)| x.abs() < 1e-6)
+        .count();
+    assert_eq!(at_the_middle, 4);
 }
 
 #[test]

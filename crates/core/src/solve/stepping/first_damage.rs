@@ -26,9 +26,10 @@ fn note(first: &mut FirstDamage, model: &Model, state: &State, row: &HistoryRow)
     };
     // The damage of dry joints is 1 from the start, so that the largest damage of the row decides nothing.
     if first.joint.is_none() && row.max_interface_damage > 0.0 {
+        // Points that face nothing, such as those of a bed beside the jamb of an opening, never had a bond.
         let bonded = |p: usize| {
             let law = model.contact.slave_law[p / 4];
-            !model.contact.laws[usize::from(law)].is_dry()
+            state.pairs[p].facet.is_some() && !model.contact.laws[usize::from(law)].is_dry()
         };
         let points = state.interface.iter().map(|h| h.damage).enumerate();
         first.joint = most(points.filter(|(p, _)| bonded(*p)), 0.0).map(onset);
