@@ -9,6 +9,17 @@ use wythe_contact::{PointPair, Reach, extend, pair_point};
 use super::{Contact, Distances};
 use crate::assembly::Trial;
 
+/// Positions of a search [mm]. `[node]`
+#[derive(Clone, Copy)]
+struct Places<'a> {
+    /// The present ones.
+    x: &'a [[f64; 3]],
+    /// Those at the start of the increment; empty at the first search.
+    x_start: &'a [[f64; 3]],
+    /// Whether forces were evaluated at the present ones.
+    seen: bool,
+}
+
 impl Contact {
     /// Renews the candidates if surfaces have moved beyond the margin, then pairs every point.
     pub fn search(&mut self, trial: &mut Trial) {
@@ -22,12 +33,7 @@ impl Contact {
         }
         trial.joints.forget_unless(seen, self.points.len());
         let (free, x_start) = (&trial.joints.free, &trial.x_start);
-        let Distances {
-            radius,
-            behind,
-            step,
-            ..
-        } = self.distances;
+        let places = Places { x, x_start, seen };
         trial
             .joints
             .pairs
@@ -38,49 +44,61 @@ impl Contact {
             .with_min_len(16)
             .for_each(|(f, ((pairs, anchors), gaps))| {
                 for (p, (pair, anchor)) in pairs.iter_mut().zip(anchors).enumerate() {
-                    if self.is_image(4 * f + p) {
+                    let at = 4 * f + p;
+                    if self.is_image(at) {
                         (*pair, *anchor) = <_>::default();
                         continue;
                     }
-                    let is_free = free[4 * f + p];
-                    // However deep a joint is pressed, it keeps its points.
-                    let held = !is_free && pair.facet.is_some();
-                    let near = gaps[p] <= radius && (held || gaps[p] >= -radius);
-                    let known = (pair.facet).filter(|_| seen && stays_on(pair.xi) && near);
-                    let depth = if is_free { behind } else { step };
-                    let above = known.is_some() && gaps[p] >= -depth;
-                    let found = known.map(|facet| (facet, pair.xi));
-                    let found = found.or_else(|| self.pair(f, p, *pair, held, x));
-                    let comes = |&(facet, xi): &(u32, [f64; 2])| {
-                        if !is_free && anchor.facet == Some(facet) {
-                            return true;
-                        }
-                        let depth = if held {
-                            depth + self.depth(4 * f + p, *anchor, x)
-                        } else {
-                            depth
-                        };
-                        above
-                            || x_start.is_empty()
-                            || !self.is_behind(depth, &self.position(f, p, x), facet, xi, x)
-                            || !self.is_behind(
-                                depth,
-                                &self.position(f, p, x_start),
-                                facet,
-                                xi,
-                                x_start,
-                            )
-                    };
-                    let paired = |(facet, xi)| PointPair {
-                        facet: Some(facet),
-                        xi,
-                    };
-                    *pair = found.filter(comes).map(paired).unwrap_or_default();
+                    *pair = self.renewed(at, [*pair, *anchor], gaps[p], free[at], places);
                     if anchor.facet.is_none() {
                         *anchor = *pair;
                     }
                 }
             });
+    }
+
+    /// The pair of point `at`, from its last pair and its anchor, with its gap at the last evaluation [mm].
+    fn renewed(
+        &self,
+        at: usize,
+        [pair, anchor]: [PointPair; 2],
+        gap: f64,
+        is_free: bool,
+        Places { x, x_start, seen }: Places<'_>,
+    ) -> PointPair {
+        let (f, p) = (at / 4, at % 4);
+        let Distances {
+            radius,
+            behind,
+            step,
+            ..
+        } = self.distances;
+        // However deep a joint is pressed, it keeps its points.
+        let held = !is_free && pair.facet.is_some();
+        let near = gap <= radius && (held || gap >= -radius);
+        let known = (pair.facet).filter(|_| seen && stays_on(pair.xi) && near);
+        let depth = if is_free { behind } else { step };
+        let above = known.is_some() && gap >= -depth;
+        let found = known.map(|facet| (facet, pair.xi));
+        let found = found.or_else(|| self.pair(f, p, pair, held, x));
+        let comes = |&(facet, xi): &(u32, [f64; 2])| {
+            if !is_free && anchor.facet == Some(facet) {
+                return true;
+            }
+            let depth = if held {
+                depth + self.depth(at, anchor, x)
+            } else {
+                depth
+            };
+            let is_behind =
+                |x: &[[f64; 3]]| self.is_behind(depth, &self.position(f, p, x), facet, xi, x);
+            above || x_start.is_empty() || !is_behind(x) || !is_behind(x_start)
+        };
+        let paired = |(facet, xi)| PointPair {
+            facet: Some(facet),
+            xi,
+        };
+        found.filter(comes).map(paired).unwrap_or_default()
     }
 
     /// Whether nodes have moved beyond the margin since candidates were searched.
