@@ -230,10 +230,11 @@ impl Curve {
     /// Rise of the force over the last `part` of the farthest travel on one side of the start, along the envelope of the
     /// loops [kN].
     pub(super) fn rises_outwards(&self, side: f64, part: f64) -> f64 {
-        let envelope = self.envelope(side);
+        let mut envelope = self.envelope(side);
         let Some(&(end, _)) = envelope.last() else {
             return 0.0;
         };
+        envelope.insert(0, (0.0, side * self.start.1));
         // The largest force at the end: loops may reach it several times.
         let at_end = envelope.iter().filter(|p| p.0 >= end * (1.0 - ROUNDING));
         let force = at_end.map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);

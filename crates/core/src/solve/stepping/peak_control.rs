@@ -218,7 +218,18 @@ impl PeakWatch {
         let (s, force, most) = forces.max_by(|a, b| a.1.total_cmp(&b.1))?;
         // Points that are not in line with the drive break, and the force rises further.
         let elsewhere = secant > 0.0 && before.is_some() && force > most;
-        let peak = force.min(most);
+        let peak = if elsewhere {
+            // Unless a peak is left even if the points that yield take the whole displacement, as in a solid that is
+            // pulled evenly: the force is then F₀ (1−s) + F₁ s + W/Δu, and less than if all stayed elastic.
+            let least = PARTS.iter().zip(&works).map(|(&s, w)| {
+                let elastic = start + near * s * size;
+                (start + s * (end - start) + by_work * w).min(elastic)
+            });
+            least.fold(f64::NEG_INFINITY, f64::max)
+        } else {
+            force.min(most)
+        };
+        let (s, elsewhere) = (s, elsewhere && peak <= (1.0 + CORNER * part) * largest);
         if elsewhere || peak <= (1.0 + part) * largest {
             return None;
         }
