@@ -218,18 +218,13 @@ impl PeakWatch {
         let (s, force, most) = forces.max_by(|a, b| a.1.total_cmp(&b.1))?;
         // Points that are not in line with the drive break, and the force rises further.
         let elsewhere = secant > 0.0 && before.is_some() && force > most;
-        let peak = if elsewhere {
-            // Unless a peak is left even if the points that yield take the whole displacement, as in a solid that is
-            // pulled evenly: the force is then F₀ (1−s) + F₁ s + W/Δu, and less than if all stayed elastic.
-            let least = PARTS.iter().zip(&works).map(|(&s, w)| {
-                let elastic = start + near * s * size;
-                (start + s * (end - start) + by_work * w).min(elastic)
-            });
-            least.fold(f64::NEG_INFINITY, f64::max)
+        // Unless a peak is left even if the points that yield take the whole displacement.
+        let (peak, elsewhere) = if elsewhere {
+            let evenly = evenly([start, end], near * size, by_work, &works);
+            (evenly, evenly <= (1.0 + CORNER * part) * largest)
         } else {
-            force.min(most)
+            (force.min(most), false)
         };
-        let (s, elsewhere) = (s, elsewhere && peak <= (1.0 + CORNER * part) * largest);
         if elsewhere || peak <= (1.0 + part) * largest {
             return None;
         }
@@ -237,6 +232,16 @@ impl PeakWatch {
         let at = (peak - start) / (stiffness * size) + yields * s;
         Some(at.clamp(SHORTEST, LONGEST) * size)
     }
+}
+
+/// Largest force within an increment from `start` to `end` in which the points that yield take the whole
+/// displacement, as in a solid that is pulled evenly: F₀ (1−s) + F₁ s + W/Δu, at most that of an elastic `rise`.
+fn evenly([start, end]: [f64; 2], rise: f64, by_work: f64, works: &Works) -> f64 {
+    let forces = PARTS.iter().zip(works).map(|(&s, w)| {
+        let force = start + s * (end - start) + by_work * w;
+        force.min(start + s * rise)
+    });
+    forces.fold(f64::NEG_INFINITY, f64::max)
 }
 
 #[cfg(test)]
