@@ -80,7 +80,7 @@ def test_a_strip_under_an_airbag() -> None:
         ],
         springs=[build.spring("foot", "unit-0-0-0.bottom", [0, 0, "1 MN/mm"])],
         probes=[build.probe("middle", "y", near=[50, 100, 400])],
-        points="gauss",
+        points="auto",
         steps=[
             build.loading(build.load("roof", "unit-0-0-7.top", force=[0, 0, "-1 kN"]), name="roof"),
             build.loading(
@@ -190,7 +190,7 @@ def test_bonded_blocks() -> None:
             build.block("upper", "stone", [200, 100, 50], [0, 0, 50], mesh=[4, 2, 1]),
         ],
         title="Couplet of two blocks",
-        points="gauss",
+        points="auto",
         materials={"stone": build.elastic("5 GPa", 0.2)},
         interfaces={"joint": JOINT},
         contacts=[build.contact("joint", "upper.bottom", "lower.top")],
@@ -207,7 +207,7 @@ def test_an_imported_mesh() -> None:
     made = build.blocks(
         [build.block("plate", "stone", [200, 100, 20], mesh=[2, 1, 1])],
         title="Couplet from Abaqus",
-        points="gauss",
+        points="auto",
         imports=[build.mesh("couplet", "50_imported_mesh.inp", at=[0, 0, 20])],
         materials={"stone": build.elastic("30 GPa", 0.2)},
         interfaces={"joint": JOINT},
