@@ -38,7 +38,7 @@ pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
     sample(
         corners,
         part,
-        [EVEN.map(|(side, share)| (side * RIM, share)); 2],
+        [EVEN.map(|(side, share)| (side * OUTERMOST, share)); 2],
     )
 }
 
@@ -52,15 +52,15 @@ pub fn lobatto_points(corners: &[[f64; 3]; 4], part: &Part, by: [bool; 2]) -> [S
     let gauss = 1.0 / 3.0_f64.sqrt();
     let is_second = part.is_second();
     let along = [0, 1].map(|d| match (by[d], is_second[d]) {
-        (true, true) => [(inner, 5.0 / 6.0), (RIM, 1.0 / 6.0)],
-        (true, false) => [(-RIM, 1.0 / 6.0), (-inner, 5.0 / 6.0)],
+        (true, true) => [(inner, 5.0 / 6.0), (OUTERMOST, 1.0 / 6.0)],
+        (true, false) => [(-OUTERMOST, 1.0 / 6.0), (-inner, 5.0 / 6.0)],
         (false, _) => EVEN.map(|(side, share)| (side * gauss, share)),
     });
     sample(corners, part, along)
 }
 
 /// Parameter of the outermost points.
-const RIM: f64 = 1.0 - 1e-6;
+const OUTERMOST: f64 = 1.0 - 1e-6;
 
 /// Two points on either side of the middle, with equal shares.
 const EVEN: [(f64, f64); 2] = [(-1.0, 0.5), (1.0, 0.5)];

@@ -26,7 +26,7 @@ fn note(first: &mut FirstDamage, model: &Model, state: &State, row: &HistoryRow)
     };
     // The damage of dry joints is 1 from the start, so that the largest damage of the row decides nothing.
     if first.joint.is_none() && row.max_interface_damage > 0.0 {
-        // Points that face nothing, such as those of a bed beside the jamb of an opening, never had a bond.
+        // Points that face nothing have no bond to lose.
         let bonded = |p: usize| {
             let law = model.contact.slave_law[p / 4];
             state.pairs[p].facet.is_some() && !model.contact.laws[usize::from(law)].is_dry()
