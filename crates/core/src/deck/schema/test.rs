@@ -72,6 +72,20 @@ pub enum TestKind {
     PushedUnit,
 }
 
+impl TestKind {
+    /// Whether the test measures the strength of joints alone.
+    pub fn measures_joints(self) -> bool {
+        matches!(
+            self,
+            Self::Triplet
+                | Self::BondWrench
+                | Self::CoupletTension
+                | Self::DirectShear
+                | Self::PushedUnit
+        )
+    }
+}
+
 impl DeckTest {
     /// Keys that its evaluation needs and that are missing.
     pub fn missing(&self) -> Vec<&'static str> {

@@ -10,7 +10,7 @@ use crate::deck::schema::TestKind;
 pub(super) const THIRD: f64 = 1.0 / 3.0;
 
 /// Last part of the way over which a residual force is averaged.
-const LAST: f64 = 0.1;
+pub(super) const LAST: f64 = 0.1;
 
 pub(super) type Values = Result<Vec<TestValue>, EvaluationError>;
 

@@ -1,5 +1,6 @@
 //! A run of a standard test: its sizes, its history, its gauges.
 
+use super::formulas::LAST;
 use crate::deck::Deck;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::{DeckTest, TestKind};
@@ -10,6 +11,12 @@ use crate::results::output::DECK;
 use crate::results::{Curve, ReadError, ReadHistory, RunFolder, VerdictKind};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Tensile damage of the solids at the largest force from which a test of a joint is one of its units, too [-].
+const CRACKED: f64 = 0.5;
+
+/// Part of the largest force which a joint may still lose at the end of its test [-].
+const UNBROKEN: f64 = 0.02;
 
 /// A run of a standard test.
 #[derive(Clone, Debug)]
@@ -172,6 +179,56 @@ impl TestRun {
 
     /// Adds remarks on the run.
     pub(super) fn remarks(&self, notes: &mut Vec<String>) {
+        self.remark_on_verdict(notes);
+        if self.test.kind.measures_joints() {
+            self.remark_on_joints(notes);
+        }
+    }
+
+    /// Tells where the forces are not those of the joint alone, or where the drive was too short to break it.
+    fn remark_on_joints(&self, notes: &mut Vec<String>) {
+        let name = &self.name;
+        let Ok((peak, row)) = self.peak() else { return };
+        let damage = self.history.rows[row].max_tensile_damage;
+        if damage >= CRACKED {
+            notes.push(format!(
+                "{name}: solids had cracked at the largest force (tensile damage {damage:.2}): it is not the strength \
+                 of the joint alone; look where they cracked"
+            ));
+        }
+        if self.verdict != Some(VerdictKind::PeakPassed) {
+            return;
+        }
+        let missing = match self.test.kind {
+            TestKind::BondWrench => return,
+            TestKind::CoupletTension => "the fracture energy lacks the rest",
+            _ => "the residual strength is not reached",
+        };
+        let (last, lost) = self.end();
+        let left = match self.test.kind {
+            TestKind::CoupletTension => last,
+            _ => lost,
+        };
+        if left > UNBROKEN * peak {
+            notes.push(format!(
+                "{name}: the force still falls at the end, at {last:.3} kN: {missing}; drive it further"
+            ));
+        }
+    }
+
+    /// Force at the end, and what it lost over the last tenth of the way [kN].
+    fn end(&self) -> (f64, f64) {
+        let curve = self.curve();
+        let points = curve.points();
+        let Some(&(way, last)) = points.last() else {
+            return (0.0, 0.0);
+        };
+        let from = way - LAST * (way - curve.start().0);
+        let before = points.iter().rfind(|point| point.0 <= from);
+        (last, before.map_or(0.0, |before| before.1 - last))
+    }
+
+    fn remark_on_verdict(&self, notes: &mut Vec<String>) {
         let name = &self.name;
         let remark = match self.verdict {
             None => "has not ended",

@@ -197,6 +197,21 @@ fn a_force_that_still_rises_is_remarked_on_and_mixed_runs_are_refused() {
 }
 
 #[test]
+fn units_that_cracked_and_joints_that_did_not_break_are_remarked_on() {
+    let points = [(0.1, 4.0), (1.0, 2.0), (1.9, 1.5), (2.0, 1.0)];
+    let mut short = run(TestKind::Triplet, &points, &[]);
+    let found = evaluate(std::slice::from_ref(&short)).unwrap();
+    assert!(found.notes[0].contains("still falls"), "{:?}", found.notes);
+    short.history.rows[0].max_tensile_damage = 0.9;
+    let found = evaluate(std::slice::from_ref(&short)).unwrap();
+    assert!(found.notes[0].contains("0.90"), "{:?}", found.notes);
+    // A third of the largest force is left: an area below the curve is missing.
+    let couplet = run(TestKind::CoupletTension, &[(0.1, 3.0), (1.0, 1.0)], &[]);
+    let found = evaluate(&[couplet]).unwrap();
+    assert!(found.notes[0].contains("lacks"), "{:?}", found.notes);
+}
+
+#[test]
 fn a_flat_jack_gives_the_pressure_that_brings_the_gauges_back() {
     let points = [(0.0, 1.0), (0.0, 2.0), (0.0, 2.0), (0.0, 2.0)];
     let gauges =
