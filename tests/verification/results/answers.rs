@@ -1,6 +1,7 @@
 //! Answers of a run: modes of failure of scenes whose mode is known, and first damage through halves and checkpoints.
 
 use crate::common::blocks::{deck, model};
+use crate::common::scene::run;
 use wythe::model::Model;
 use wythe::model::scene::Fidelity;
 use wythe::results::answers::{Answers, FailureMode};
@@ -245,6 +246,22 @@ fn a_wall_cracks_along_a_stepped_diagonal() {
     let end = found.cracks_at_end.unwrap();
     assert!(end.joint.unwrap().width_mm > 0.1 && end.burland_class >= 1);
     assert_eq!(end.solid, None);
+}
+
+#[test]
+fn beds_under_openings_are_no_damage() {
+    // Units of the course below reach by half their length below the jambs of a window of one unit.
+    let window = "courses = 10\nopenings = [{ from = 375, to = 625, sill = 4, courses = 3, lintel = { courses = 1, \
+                  bearing = 125, material = \"unit\" } }]";
+    let text = WALL.replace("courses = 10", window);
+    let text = text.replace("0.6 MPa", "0.05 MPa");
+    let (mut model, _) = Model::from_deck(&deck(&text)).unwrap();
+    model.steps.truncate(1);
+    let (recording, summary) = run(&model);
+    let first = &recording.rows[0];
+    assert!(first.open_points > 0, "some points face nothing: {first:?}");
+    assert_eq!(first.max_interface_damage, 0.0);
+    assert_eq!(summary.first_damage.joint, None);
 }
 
 /// Stops after some rows and keeps the checkpoint.

@@ -19,6 +19,7 @@
 //! procedure has a single method.
 
 use serde::{Deserialize, Serialize};
+use wythe_contact::JointLaw;
 
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
@@ -88,6 +89,8 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
+    /// Whether no joint has a bond. Stones that come loose one by one then are common.
+    dry: bool,
     /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
@@ -172,6 +175,7 @@ impl Fallback {
             lost: 0,
             passed_over: 0,
             snaps: false,
+            dry: model.contact.laws.iter().all(JointLaw::is_dry),
         }
     }
 
@@ -284,7 +288,10 @@ impl Fallback {
             self.snaps = *rejection == Rejection::Snap;
         }
         let wanted = match rejection {
-            Rejection::Linear { dof: Some(_), .. } => self.inertia(),
+            Rejection::Linear { dof: Some(_), .. } => match self.place(Method::Direct) {
+                Some(direct) if self.dry && self.at < direct => Some(direct),
+                _ => self.inertia(),
+            },
             // If secant tangents failed before, take the path with consistent ones.
             Rejection::Snap => self
                 .place(Method::Dissipation)

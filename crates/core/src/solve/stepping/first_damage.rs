@@ -1,5 +1,6 @@
 //! Notes the first damage of a run at each commit.
 
+use super::joint_damage::joint_damage;
 use super::run::Run;
 use crate::model::Model;
 use crate::state::{CRACKED, CRUSHED, FirstDamage, HistoryRow, Onset, State};
@@ -26,13 +27,12 @@ fn note(first: &mut FirstDamage, model: &Model, state: &State, row: &HistoryRow)
     };
     // The damage of dry joints is 1 from the start, so that the largest damage of the row decides nothing.
     if first.joint.is_none() && row.max_interface_damage > 0.0 {
-        // Points that face nothing have no bond to lose.
         let bonded = |p: usize| {
             let law = model.contact.slave_law[p / 4];
-            state.pairs[p].facet.is_some() && !model.contact.laws[usize::from(law)].is_dry()
+            !model.contact.laws[usize::from(law)].is_dry()
         };
-        let points = state.interface.iter().map(|h| h.damage).enumerate();
-        first.joint = most(points.filter(|(p, _)| bonded(*p)), 0.0).map(onset);
+        let points = joint_damage(model, state).filter(|(p, _)| bonded(*p));
+        first.joint = most(points, 0.0).map(onset);
     }
     let solids = || state.material.iter().enumerate();
     if first.crack.is_none() && row.max_tensile_damage > CRACKED {

@@ -8,6 +8,7 @@ pub(in crate::solve) mod explain;
 pub(in crate::solve) mod fallback;
 pub(in crate::solve) mod fields;
 pub(in crate::solve) mod first_damage;
+mod joint_damage;
 pub(in crate::solve) mod history_row;
 pub(in crate::solve) mod narrowed_bands;
 pub(in crate::solve) mod path;
