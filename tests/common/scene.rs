@@ -119,6 +119,7 @@ pub fn beam(model: &mut Model, nodes: Vec<u32>) -> usize {
         area: 1.0,
         normal: [0.0, 0.0, 1.0],
         shape: Vec::new(),
+        free: Vec::new(),
         depth: 0.0,
     });
     model.beams.len() - 1

@@ -43,7 +43,7 @@ pub use projection::{Projection, extend, project};
 pub use registry::InterfaceLaw;
 pub use shifted::{Loose, Shift};
 pub use stencil::{
-    Anchor, Kinematics, PointStiffness, SlavePoint, corner_points, gauss_points, lobatto_points,
-    write_stiffness,
+    Anchor, Kinematics, PointStiffness, PointsAlong, SlavePoint, corner_points, gauss_points,
+    points_of, write_stiffness,
 };
 pub use surface::{Surface, frame_at};

@@ -32,14 +32,6 @@ impl Part {
         })
     }
 
-    /// Whether it is the second of a pair of a grid with an even number of parts, along ξ and η.
-    pub(crate) fn is_second(&self) -> [bool; 2] {
-        [0, 1].map(|d| {
-            let before = 0.5 * ((self.middle[d] + 1.0) / self.half[d] - 1.0);
-            before.round() as i64 % 2 == 1
-        })
-    }
-
     /// Facet parameters of a point given in parameters of the part.
     pub fn at(&self, xi: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|d| self.middle[d] + self.half[d] * xi[d])

@@ -42,19 +42,30 @@ pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
     )
 }
 
-/// Points of a part with Lobatto points in the directions `by` and Gauss points in the others. Of four Lobatto points
-/// of a rectangle, which include its ends, moved inwards by 1e-6 of the part's half size, and integrate polynomials of
-/// degree 5, a part has the two on its side: neighbouring parts of a [grid](Part::grid) with even numbers make one
-/// rectangle.
-pub fn lobatto_points(corners: &[[f64; 3]; 4], part: &Part, by: [bool; 2]) -> [SlavePoint; 4] {
+/// Points of a part along one of its directions.
+///
+/// Of four Lobatto points of a stretch, which include its ends, moved inwards by 1e-6 of its half length, and integrate
+/// polynomials of degree 5, each half of the stretch has two.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PointsAlong {
+    /// Two Gauss points.
+    #[default]
+    Gauss,
+    /// The first two Lobatto points of a stretch of which the part is the first half.
+    FirstHalf,
+    /// The last two of a stretch of which it is the second half.
+    SecondHalf,
+}
+
+/// Points of a part with these points along its two directions.
+pub fn points_of(corners: &[[f64; 3]; 4], part: &Part, along: [PointsAlong; 2]) -> [SlavePoint; 4] {
     // On [-1, 1] the inner points are ±1/√5 with weight 5/6, the outer ones ±1 with weight 1/6.
     let inner = 2.0 / 5.0_f64.sqrt() - 1.0;
     let gauss = 1.0 / 3.0_f64.sqrt();
-    let is_second = part.is_second();
-    let along = [0, 1].map(|d| match (by[d], is_second[d]) {
-        (true, true) => [(inner, 5.0 / 6.0), (OUTERMOST, 1.0 / 6.0)],
-        (true, false) => [(-OUTERMOST, 1.0 / 6.0), (-inner, 5.0 / 6.0)],
-        (false, _) => EVEN.map(|(side, share)| (side * gauss, share)),
+    let along = along.map(|points| match points {
+        PointsAlong::SecondHalf => [(inner, 5.0 / 6.0), (OUTERMOST, 1.0 / 6.0)],
+        PointsAlong::FirstHalf => [(-OUTERMOST, 1.0 / 6.0), (-inner, 5.0 / 6.0)],
+        PointsAlong::Gauss => EVEN.map(|(side, share)| (side * gauss, share)),
     });
     sample(corners, part, along)
 }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use wythe::contact::projection::project;
 use wythe::contact::surface::point_at;
 use wythe::contact::{
-    Anchor, Kinematics, Part, SlavePoint, corner_points, gauss_points, lobatto_points,
+    Anchor, Kinematics, Part, PointsAlong, SlavePoint, corner_points, gauss_points, points_of,
     write_stiffness,
 };
 
@@ -278,8 +278,14 @@ fn lobatto_points_integrate_to_the_edges() {
         let place = |p: &SlavePoint| (0..4).map(|a| p.weights[a] * corners[a][d]).sum();
         points.iter().map(|p| (place(p), p.area)).collect()
     };
-    let parts = Part::grid([2, 1]).flat_map(|part| lobatto_points(&corners, &part, [true, false]));
-    let points: Vec<SlavePoint> = parts.collect();
+    let row_of = |count: u32| -> Vec<SlavePoint> {
+        let halves = [PointsAlong::FirstHalf, PointsAlong::SecondHalf];
+        let parts = Part::grid([count, 1]).zip(halves.into_iter().cycle());
+        let points =
+            parts.flat_map(|(part, half)| points_of(&corners, &part, [half, PointsAlong::Gauss]));
+        points.collect()
+    };
+    let points = row_of(2);
     for power in 0..=5 {
         let exact = if power % 2 == 0 {
             4.0 / f64::from(power + 1)
@@ -304,9 +310,7 @@ fn lobatto_points_integrate_to_the_edges() {
             .all(|(y, _)| (y.abs() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12)
     );
     // Four parts in a row are two such pairs.
-    let row: Vec<SlavePoint> = Part::grid([4, 1])
-        .flat_map(|part| lobatto_points(&corners, &part, [true, false]))
-        .collect();
+    let row = row_of(4);
     let at_the_middle = along(&row, 0)
         .iter()
         .filter(|(x, _)| x.abs() < 1e-6)

@@ -52,6 +52,9 @@ impl DofMap {
             for &n in &beam.nodes {
                 slot[n as usize] = [0, 1, 2].map(|i| UNSET - 1 - (3 * b as u32 + i));
             }
+            for &(n, i) in &beam.free {
+                slot[n as usize][i] = UNSET;
+            }
         }
         for support in supports {
             for &n in &support.nodes {
@@ -83,6 +86,9 @@ impl DofMap {
         for beam in beams {
             for (&n, part) in beam.nodes.iter().zip(&beam.shape) {
                 sign[n as usize] = [*part; 3];
+            }
+            for &(n, i) in &beam.free {
+                sign[n as usize][i] = 1.0;
             }
         }
         for image in reflected {

@@ -1,7 +1,7 @@
 //! Checks of the physics of a model before it is run.
 
 use super::magnitudes::magnitudes;
-use super::masonry::{Corner, Masonry, Unit};
+use super::masonry::{Corner, Masonry, Unit, least_lap};
 use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
 use super::{rounding, tables};
 use crate::element::extent;
@@ -250,11 +250,7 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
     let wall = masonry.wall;
     let (shortest, lap) = masonry.bat_and_lap();
     let [unit, joint] = [wall.unit[0].get(), wall.head_joint.get()];
-    // Closers are meant to be short.
-    let [least, least_lap] = match wall.bond {
-        Bond::Stretcher | Bond::Stack => [unit / 8.0; 2],
-        _ => [wall.unit[1].get() / 8.0; 2],
-    };
+    let least = least_lap(wall);
     let key = format!("{}.length", masonry.path);
     let mut warnings = Vec::new();
     if shortest < least {
@@ -264,11 +260,20 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
             format!("the bats are slivers of {shortest:.2} mm (a half unit is {half:.2} mm)"),
         ));
     }
-    if wall.courses > 1 && lap < least_lap && wall.bond != Bond::Stack {
+    if wall.courses > 1 && lap < least && wall.bond != Bond::Stack {
         warnings.push(deck.warning(
             &key,
             format!(
                 "head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"
+            ),
+        ));
+    } else if wall.courses > 1 && masonry.interlock.lap < least && wall.bond != Bond::Stack {
+        let lap = masonry.interlock.lap;
+        warnings.push(deck.warning(
+            &key,
+            format!(
+                "where it passes through a wall that meets it, its head joints are only {lap:.2} mm from those to that \
+                 wall in the courses beside: a straight joint, hardly a bond"
             ),
         ));
     }

@@ -6,12 +6,15 @@ use super::gravity::GravityNow;
 use super::keys;
 use super::probes;
 use super::quantity::Quantity;
+use super::rigid;
 use super::schema::{
     Deck, DeckBlock, DeckSettlement, DeckStep, Heading, Names, StepKind, Vertical,
 };
+use crate::element::hexahedron::range;
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::amplitude::Amplitude;
 use crate::model::scene::{Beam, BeamMotion, Driven, GroundMotion, Spring, Step, Stop, Support};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Beams and steps of a scene.
 #[derive(Default)]
@@ -301,6 +304,7 @@ fn ground(
     }
     Ok(Beam {
         name: settlement.name.clone(),
+        free: free_along(bodies, &nodes, along),
         nodes,
         area: 0.0,
         normal: [0.0; 3],
@@ -308,6 +312,43 @@ fn ground(
         depth: 0.0,
     })
 }
+
+/// Nodes of rigid units on ground whose shape varies along a horizontal axis, but those in the middle of each unit:
+/// they stay free along the axis. The others of the ground are held in all directions.
+fn free_along(bodies: &Bodies<'_>, ground: &[u32], along: usize) -> Vec<(u32, usize)> {
+    let mesh = &bodies.mesh;
+    if along == 2 {
+        return Vec::new();
+    }
+    let mut of_unit: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+    let elements = mesh.elements.iter().zip(&mesh.unit).zip(&mesh.material);
+    for ((nodes, unit), material) in elements {
+        let name = &bodies.materials[usize::from(*material)];
+        if rigid::base(name) != name {
+            let on_ground = nodes.iter().filter(|n| ground.binary_search(n).is_ok());
+            of_unit.entry(*unit).or_default().extend(on_ground);
+        }
+    }
+    let s = |n: u32| mesh.nodes[n as usize][along];
+    let free = |nodes: &BTreeSet<u32>| -> Vec<(u32, usize)> {
+        let [low, high] = range(nodes.iter().map(|n| s(*n)));
+        let middle = 0.5 * (low + high);
+        let away = |n: u32| (s(n) - middle).abs();
+        let nearest = nodes
+            .iter()
+            .copied()
+            .min_by(|a, b| away(*a).total_cmp(&away(*b)));
+        let held = nearest.map_or(middle, s);
+        let others = nodes
+            .iter()
+            .filter(|n| (s(**n) - held).abs() > SAME * (high - low));
+        others.map(|n| (*n, along)).collect()
+    };
+    of_unit.values().flat_map(free).collect()
+}
+
+/// Part of the length of a unit within which nodes lie in one plane across it.
+const SAME: f64 = 1e-6;
 
 /// Rejects nodes that other beams move.
 fn require_apart(
@@ -367,6 +408,7 @@ fn beam(
             [0.0; 3]
         },
         shape: Vec::new(),
+        free: Vec::new(),
         depth,
     })
 }

@@ -261,6 +261,7 @@ impl ModelBuilder {
             area,
             normal: whole.map(|a| if area > 0.0 { a / area } else { 0.0 }),
             shape: Vec::new(),
+            free: Vec::new(),
             depth: 0.0,
         });
         self.model.beams.len() - 1

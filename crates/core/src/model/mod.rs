@@ -6,6 +6,7 @@ pub mod boundary_facets;
 pub mod builder;
 pub mod columns;
 pub mod drive;
+mod dry_faces;
 pub mod floors;
 pub mod general;
 pub mod live;

@@ -180,6 +180,9 @@ pub struct Beam {
     /// Part of the beam's displacement that each node makes: the shape of a settlement; empty if all move alike.
     /// `[node of the beam]`
     pub shape: Vec<f64>,
+    /// Nodes that do not follow the beam along an axis (0, 1, 2): rigid units on ground that settles are held along it in
+    /// their middle only, because its slope would stretch them. Empty for faces.
+    pub free: Vec<(u32, usize)>,
     /// Depth of a loading beam below these nodes, which are its top [mm]; 0 of a face.
     pub depth: f64,
 }

@@ -1,15 +1,13 @@
 //! Contact surfaces: facets, their sampled parts and their laws.
 
-use super::general::{GeneralContact, normal};
+use super::dry_faces;
+use super::general::GeneralContact;
 use crate::element::hexahedron::norm;
 use crate::material::ElasticParameters;
-use std::collections::BTreeMap;
 use wythe_contact::{
-    InterfaceLaw, JointLaw, Output, Part, SlavePoint, Surface, corner_points, lobatto_points,
+    InterfaceLaw, JointLaw, Output, Part, PointsAlong, SlavePoint, Surface, corner_points,
+    points_of,
 };
-
-/// Cosine of the angle up to which neighbours belong to one face of a body: 26 degrees.
-const ONE_FACE: f64 = 0.9;
 
 /// Where an interface is sampled on a slave facet.
 #[derive(
@@ -48,9 +46,8 @@ pub struct ContactSurfaces {
     /// Sampled part of each entry's facet. Empty if all facets are sampled as a whole. A facet divided into parts has
     /// consecutive entries, one for each part. `[facet]`
     pub slave_part: Vec<Part>,
-    /// Whether an entry has points on the edges of its joint along its two directions: Lobatto points, of which it has the
-    /// two on its side. Empty if no entry has. `[facet]`
-    pub slave_edges: Vec<[bool; 2]>,
+    /// Points of each entry along its two directions. Empty if all have Gauss points. `[facet]`
+    pub slave_points: Vec<[PointsAlong; 2]>,
     /// Whether the facet lies in a plane of symmetry normal to x, y or z, between a body and its image. Empty if no
     /// facet does. `[facet][xyz]`
     pub slave_planes: Vec<[bool; 3]>,
@@ -138,15 +135,16 @@ impl ContactSurfaces {
         match self.points {
             ContactPoints::Corner => corner_points(&corners, &part),
             ContactPoints::Auto | ContactPoints::Gauss => {
-                let by = self.slave_edges.get(facet).copied().unwrap_or_default();
-                lobatto_points(&corners, &part, by)
+                let along = self.slave_points.get(facet).copied().unwrap_or_default();
+                points_of(&corners, &part, along)
             }
         }
     }
 
     /// Whether contact points lie on the edges of the joint at an entry of the slave facets.
     pub fn samples_edges(&self, facet: usize) -> bool {
-        self.points == ContactPoints::Corner || (!self.slave_edges.is_empty() && self.is_dry(facet))
+        self.points == ContactPoints::Corner
+            || (!self.slave_points.is_empty() && self.is_dry(facet))
     }
 
     /// Whether the joint of an entry of the slave facets has no bond from the start.
@@ -157,59 +155,35 @@ impl ContactSurfaces {
     }
 
     /// Divides every slave facet into parts, for nodes at `x` [mm]. `counts` are the numbers of parts along x, y and
-    /// z; each of the two directions of a facet takes the number of the axis that it follows. Where a dry facet ends at
-    /// an edge of its face, parts are halved in that direction and have points on the edge.
+    /// z; each of the two directions of a facet takes the number of the axis that it follows. Dry facets are divided
+    /// where faces opposite to them end, too, and have points at the ends of faces.
     pub(crate) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
-        let edges = self.edges_of_dry_faces(x);
-        if counts == [1; 3] && edges.is_empty() {
+        let dry: Vec<usize> = match self.points {
+            ContactPoints::Auto => (0..self.slave_facets.len())
+                .filter(|f| self.is_dry(*f))
+                .collect(),
+            ContactPoints::Gauss | ContactPoints::Corner => Vec::new(),
+        };
+        if counts == [1; 3] && dry.is_empty() {
             return;
         }
+        let ends = dry_faces::ends(self, &dry, x);
         let facets = std::mem::take(&mut self.slave_facets);
         let bodies = std::mem::take(&mut self.slave_body);
         let laws = std::mem::take(&mut self.slave_law);
         let all = facets.into_iter().zip(bodies).zip(laws).enumerate();
         for (f, ((facet, body), law)) in all {
             let axes = directions(&facet.map(|n| x[n as usize]));
-            let ends = edges.get(&f).copied().unwrap_or_default();
-            let number = |d: usize| counts[axes[d]] * (1 + u32::from(ends[d]));
-            for part in Part::grid([0, 1].map(number)) {
+            let none = Default::default();
+            let ends_here = ends.get(&f).unwrap_or(&none);
+            for (part, points) in dry_faces::parts(ends_here, axes.map(|axis| counts[axis])) {
                 self.add_slave(facet, body, law);
                 self.slave_part.push(part);
-                if !edges.is_empty() {
-                    self.slave_edges.push(ends);
+                if !dry.is_empty() {
+                    self.slave_points.push(points);
                 }
             }
         }
-    }
-
-    /// Dry slave facets, and whether they end at an edge of the face of their body along each of their two directions;
-    /// none if the deck says where contact points are.
-    fn edges_of_dry_faces(&self, x: &[[f64; 3]]) -> BTreeMap<usize, [bool; 2]> {
-        let dry = (0..self.slave_facets.len()).filter(|f| self.is_dry(*f));
-        let dry: Vec<usize> = match self.points {
-            ContactPoints::Auto => dry.collect(),
-            ContactPoints::Gauss | ContactPoints::Corner => Vec::new(),
-        };
-        let edge = |f: usize, k: usize| {
-            let nodes = self.slave_facets[f];
-            let (a, b) = (nodes[k], nodes[(k + 1) % 4]);
-            (self.slave_body[f], a.min(b), a.max(b))
-        };
-        let mut at: BTreeMap<(u32, u32, u32), Vec<usize>> = BTreeMap::new();
-        for &f in &dry {
-            for k in 0..4 {
-                at.entry(edge(f, k)).or_default().push(f);
-            }
-        }
-        let faces = |f: usize| normal(&self.slave_facets[f].map(|n| x[n as usize]));
-        let goes_on = |f: usize, k: usize| {
-            let others = at.get(&edge(f, k)).into_iter().flatten();
-            let mut others = others.filter(|other| **other != f);
-            others.any(|other| faces(*other).dot(&faces(f)) > ONE_FACE)
-        };
-        // Sides 1 and 3 lie at the ends of the first direction.
-        let ends = |f: usize| [[1, 3], [0, 2]].map(|sides| !sides.iter().all(|k| goes_on(f, *k)));
-        dry.iter().map(|&f| (f, ends(f))).collect()
     }
 
     /// Master facets with their bodies.

@@ -134,7 +134,22 @@ impl Verdict {
                 text: format!("peaks of {both} passed in loops"),
             };
         }
+        // The largest force decides; the other side of the start may have passed its own peak.
+        let passed = curve.opposite_peak().filter(|other| curve.loses(*other));
         let rises = |side: f64| curve.rises_outwards(side, LAST) > RISES * peak.force.abs();
+        if let Some(other) = passed {
+            let (kind, how) = if rises((peak.displacement - curve.start().0).signum()) {
+                (VerdictKind::StillRising, "still rising")
+            } else {
+                (VerdictKind::Plateau, "neither rising nor falling")
+            };
+            let text = format!(
+                "{how} where the drive is farthest out on one side: {}; peak of {} on the other side passed",
+                place(peak),
+                place(other)
+            );
+            return Self { kind, text };
+        }
         if rises(1.0) || rises(-1.0) {
             return Self {
                 kind: VerdictKind::StillRising,

@@ -5,9 +5,9 @@ use super::HistoryRow;
 /// Error of the energy balance (theory/energies.md, eqs 1 and 18). Every term is integrated where it arises and none
 /// is found by difference:
 ///
-/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ |W|ᵢ over all increments i.
+/// error = maxᵢ |W − (E + T + D_pd + D_i + D_v + D_d + D_n)|ᵢ / maxᵢ (|W_d| + |W − W_d|)ᵢ over all increments i.
 ///
-/// W is the work of reactions and loads, E the elastic and T the kinetic energy. D are the dissipations: plastic and
+/// W is the work of reactions and loads, W_d that of the drive, E the elastic and T the kinetic energy. D are the dissipations: plastic and
 /// damage, joints, viscous, damping and numerical.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyBalance {
@@ -15,6 +15,12 @@ pub struct EnergyBalance {
     gap: f64,
     /// maxᵢ |W|ᵢ [J].
     work: f64,
+    /// maxᵢ (|W_d| + |W − W_d|)ᵢ with the work W_d of the drive [J]. Gravity may take what a push gives.
+    exchanged: f64,
+    /// W_d after the last increment [J].
+    driven: f64,
+    /// Step, displacement [mm] and force [kN] of the last increment.
+    last: (usize, f64, f64),
     /// ΣD of the last increment [J].
     dissipated: f64,
 }
@@ -25,6 +31,13 @@ impl EnergyBalance {
         self.dissipated = inside(row) - row.elastic_energy_J - row.kinetic_energy_J;
         self.gap = larger(self.gap, Self::open(row).abs());
         self.work = larger(self.work, row.external_work_J.abs());
+        let (step, displacement, force) = self.last;
+        if step == row.step {
+            self.driven += 0.5 * (force + row.force_kN) * (row.displacement_mm - displacement);
+        }
+        self.last = (row.step, row.displacement_mm, row.force_kN);
+        let rest = row.external_work_J - self.driven;
+        self.exchanged = larger(self.exchanged, self.driven.abs() + rest.abs());
     }
 
     /// W − (E + T + ΣD) after an increment [J].
@@ -37,6 +50,11 @@ impl EnergyBalance {
         self.work
     }
 
+    /// Largest work that the drive and all else have exchanged [J]: at least [`work`](Self::work).
+    pub fn exchanged(&self) -> f64 {
+        self.exchanged
+    }
+
     /// Dissipation up to the last increment [J].
     pub fn dissipated(&self) -> f64 {
         self.dissipated
@@ -44,10 +62,10 @@ impl EnergyBalance {
 
     /// Error [-]. Zero before any work is done.
     pub fn error(&self) -> f64 {
-        if self.work == 0.0 {
+        if self.exchanged == 0.0 {
             0.0
         } else {
-            self.gap / self.work
+            self.gap / self.exchanged
         }
     }
 }
@@ -95,5 +113,20 @@ mod tests {
         balance.push(&row(f64::NAN, 0.0, [0.0; 3]));
         balance.push(&row(10.0, 10.0, [0.0; 3]));
         assert!(balance.error().is_nan());
+    }
+
+    #[test]
+    fn work_that_gravity_takes_from_a_push_counts() {
+        let mut balance = EnergyBalance::default();
+        let pushed = |displacement: f64, work: f64, elastic: f64| HistoryRow {
+            displacement_mm: displacement,
+            force_kN: 2.0,
+            ..row(work, elastic, [0.0; 3])
+        };
+        // The push does 4 J in the second row, and gravity takes all but 0.1 J of them.
+        balance.push(&pushed(0.0, 0.0, 0.0));
+        balance.push(&pushed(2.0, 0.1, 0.0));
+        assert_relative_eq!(balance.exchanged(), 7.9, max_relative = 1e-14); // one sum
+        assert_relative_eq!(balance.error(), 0.1 / 7.9, max_relative = 1e-14);
     }
 }

@@ -44,6 +44,12 @@ pub(super) fn wall_notes(deck: &Deck, masonry: &Masonry<'_>) -> Vec<String> {
             "bond{of}: shortest unit {shortest:.2} mm, lap {lap:.2} mm"
         ));
     }
+    if masonry.interlock.first > 0 {
+        notes.push(format!(
+            "bond{of}: begins with course {} of its bond, so that it interlocks with the walls that it meets",
+            masonry.interlock.first + 1
+        ));
+    }
     notes.extend(storey_note(masonry, &of));
     let snapped = &masonry.snapped;
     if snapped.count > 0 {

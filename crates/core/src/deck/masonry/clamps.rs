@@ -45,6 +45,7 @@ pub(in crate::deck) fn level_beam(bodies: &Bodies<'_>) -> Option<Beam> {
             area: area(wall),
             normal: [0.0, 0.0, 1.0],
             shape: Vec::new(),
+            free: Vec::new(),
             depth: 0.0,
         })
     };

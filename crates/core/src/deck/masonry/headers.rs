@@ -121,14 +121,37 @@ pub(super) fn english(wall: &Wall, sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>,
     };
     let mut courses = vec![stretchers(&stack(sizes)?)?, header_course()?];
     if wall.bond == Bond::EnglishCross {
-        let half = (sizes.unit - sizes.head) / 2.0;
-        let mut shifted = vec![half];
-        let rest = sizes.length - half - sizes.head;
-        shifted.extend(filled(&[sizes.unit], rest, sizes)?);
-        courses.push(stretchers(&slots(shifted, sizes.head))?);
+        let shifted = shifted(sizes)?;
+        courses.push(match halves {
+            2 => with_through_headers(sizes, shifted)?,
+            _ => stretchers(&shifted)?,
+        });
         courses.push(header_course()?);
     }
     Ok(courses)
+}
+
+/// Every second stretcher course of English cross bond: a header beside the quoin stretcher shifts the others by half a
+/// unit. Where whole units fill the length, the other end has such a header, too.
+fn shifted(sizes: &Sizes) -> Result<Vec<Slot>, Refusal> {
+    let quoin = [sizes.unit, sizes.width];
+    let taken = quoin.iter().sum::<f64>() + 2.0 * sizes.head;
+    let middle = |quoins: f64| {
+        let rest = sizes.length - quoins * taken;
+        (rest >= sizes.width).then(|| filled(&[sizes.unit], rest, sizes))
+    };
+    let Some(one) = middle(1.0) else {
+        return stack(sizes); // too short to be shifted
+    };
+    // The last piece is the shortest one.
+    let last = |units: &[f64]| units.last().copied().unwrap_or(0.0);
+    let two = middle(2.0).and_then(Result::ok);
+    let both = two.filter(|two| one.as_deref().map_or(0.0, last) < last(two));
+    let lengths = match both {
+        Some(two) => [&quoin[..], &two, &[sizes.width, sizes.unit]].concat(),
+        None => [&quoin[..], &one?].concat(),
+    };
+    Ok(slots(lengths, sizes.head))
 }
 
 /// A course of an English bond of three half-bricks or more: rows of stretchers and of headers, each as deep as its
@@ -182,16 +205,17 @@ pub(super) fn flemish(sizes: &Sizes) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     }
     [even, odd]
         .into_iter()
-        .map(|lengths| {
-            // A unit longer than a header is a pair of stretchers.
-            let mut all = slots(lengths, sizes.head);
-            for slot in &mut all {
-                slot.header = slot.length < width + sizes.tolerance();
-            }
-            let stretchers: Vec<Slot> = all.iter().filter(|s| !s.header).copied().collect();
-            let mut rows = two_leaves(sizes, &stretchers)?;
-            rows[0].slots = all;
-            Ok(rows)
-        })
+        .map(|lengths| with_through_headers(sizes, slots(lengths, sizes.head)))
         .collect()
+}
+
+/// Two leaves of these units, of which those no longer than a header go through; a longer one is a pair of stretchers.
+fn with_through_headers(sizes: &Sizes, mut all: Vec<Slot>) -> Result<Vec<CourseRow>, Refusal> {
+    for slot in &mut all {
+        slot.header = slot.length < sizes.width + sizes.tolerance();
+    }
+    let stretchers: Vec<Slot> = all.iter().filter(|s| !s.header).copied().collect();
+    let mut rows = two_leaves(sizes, &stretchers)?;
+    rows[0].slots = all;
+    Ok(rows)
 }

@@ -5,7 +5,6 @@
 //! is its own mirror image, mortar included. Where another wall passes through, the units that end there have the joint to
 //! it.
 
-use super::bond::courses;
 use super::course::{CourseRow, Sizes, Slot};
 use super::openings;
 use super::snap::{self, Part, Snapped};
@@ -140,6 +139,14 @@ impl Courses {
             Self::Every(first, end) => k % 2 == first && k < end,
         }
     }
+
+    /// Whether course `k` lies between two of every second course.
+    pub(super) fn alternate_with(self, k: u32) -> bool {
+        match self {
+            Self::Range(..) => false,
+            Self::Every(first, end) => k % 2 != first && k < end,
+        }
+    }
 }
 
 /// A piece of a course in the axes of the wall.
@@ -156,18 +163,18 @@ struct Piece {
     courses: u32,
 }
 
-/// Computes the units of a wall from which `cuts` are removed, and its lintels with these `spans`. Short pieces are
-/// joined to their neighbours.
+/// Computes the units of a wall with the courses `pattern`, from which `cuts` are removed, and its lintels with these
+/// `spans`. Short pieces are joined to their neighbours.
 ///
 /// # Errors
 /// Sizes that are not compatible, openings that leave slivers without a neighbour.
 pub(super) fn lay(
     wall: &Wall,
+    mut pattern: Vec<Vec<CourseRow>>,
     cuts: &[Cut],
     spans: &[[f64; 2]],
     snapped: &mut Snapped,
 ) -> Result<Vec<Unit>, Refusal> {
-    let mut pattern = courses(wall)?;
     snap::join_bats(wall, &mut pattern, snapped);
     let sizes = Sizes::of(wall);
     let levels = levels(wall);

@@ -6,6 +6,7 @@ mod corner;
 mod course;
 mod expand;
 mod headers;
+mod interlock;
 mod joints;
 mod layers;
 mod layout;
@@ -24,6 +25,7 @@ pub use layout::{Half, Kind, Refusal, Unit};
 
 pub(super) use clamps::{level_beam, supports};
 pub(super) use corner::Corner;
+pub(super) use interlock::least_lap;
 pub(super) use joints::joints;
 pub(super) use layers::storey_heights;
 pub(super) use lines::lines;
@@ -34,6 +36,7 @@ use super::quantity::Quantity;
 use super::schema::{Bond, Clamped, Deck, DeckCourse, DeckLeaf, Wall};
 use super::symmetry::Plane;
 use crate::element::hexahedron::Face;
+use interlock::Interlock;
 use placement::Placement;
 use snap::Snapped;
 use std::ops::Range;
@@ -63,6 +66,8 @@ pub(super) struct Masonry<'a> {
     pub(super) cut: [bool; 6],
     /// Short pieces that were joined to their neighbours.
     pub(super) snapped: Snapped,
+    /// How it is laid where it meets other walls.
+    pub(super) interlock: Interlock,
 }
 
 /// Places the units of all walls of a deck, which are the first bodies of the scene. An error has the path of its
@@ -86,7 +91,10 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
         let spans = openings::spans(wall, &mut snapped).map_err(refused)?;
         let mut cuts = openings::cuts(wall, &spans, &mut snapped);
         cuts.extend(plan.cuts[i].iter().cloned());
-        let units = layout::lay(wall, &cuts, &spans, &mut snapped).map_err(refused)?;
+        let mut pattern = bond::courses(wall).map_err(refused)?;
+        let interlock = Interlock::of(wall, &pattern, &plan.cuts[i]);
+        pattern.rotate_left(interlock.first);
+        let units = layout::lay(wall, pattern, &cuts, &spans, &mut snapped).map_err(refused)?;
         if !wall.rigid {
             elements += require_countable(wall, &units, elements)
                 .map_err(|refusal| (path.clone(), refusal))?;
@@ -109,6 +117,7 @@ pub(super) fn lay_all(deck: &Deck) -> Result<Vec<Masonry<'_>>, (String, Refusal)
             placement,
             cut,
             snapped,
+            interlock,
         });
     }
     expand::expand(&mut walls);

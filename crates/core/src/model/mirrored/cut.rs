@@ -235,7 +235,7 @@ impl Cut<'_> {
             };
             half.add_slave(nodes, contact.slave_body[f], contact.slave_law[f]);
             half.slave_part.extend(contact.slave_part.get(f));
-            half.slave_edges.extend(contact.slave_edges.get(f));
+            half.slave_points.extend(contact.slave_points.get(f));
             let mut lies_in = contact.planes(f);
             lies_in[axis] |= self.images.lies_in(facet);
             planes.push(lies_in);
@@ -261,6 +261,7 @@ impl Cut<'_> {
             area: 0.5 * beam.area,
             normal: beam.normal,
             shape: Vec::new(),
+            free: Vec::new(),
             depth: beam.depth,
         })
     }

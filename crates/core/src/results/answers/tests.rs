@@ -21,6 +21,7 @@ fn model() -> Model {
         area: 1e4,
         normal: [0.0, 0.0, 1.0],
         shape: Vec::new(),
+        free: Vec::new(),
         depth: 0.0,
     }];
     model

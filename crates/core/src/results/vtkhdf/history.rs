@@ -350,6 +350,7 @@ mod tests {
             area: 1.0,
             normal: [0.0, 0.0, 1.0],
             shape: Vec::new(),
+            free: Vec::new(),
             depth: 0.0,
         }];
         assert_eq!(

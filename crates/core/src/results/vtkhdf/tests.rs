@@ -107,6 +107,7 @@ fn whole_model() -> Model {
         area: 1.0,
         normal: [0.0, 0.0, 1.0],
         shape: Vec::new(),
+        free: Vec::new(),
         depth: 0.0,
     }];
     model.supports = vec![Support {

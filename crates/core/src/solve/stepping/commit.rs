@@ -105,7 +105,9 @@ impl Run<'_> {
             viscous_dissipation_J: e.viscous * 1e-3,
             open_points: count(PointStatus::Open),
             sliding_points: count(PointStatus::Slip),
-            max_interface_damage: most(&mut joint_damage(self.model, state).map(|(_, damage)| damage)),
+            max_interface_damage: most(
+                &mut joint_damage(self.model, state).map(|(_, damage)| damage),
+            ),
             max_tensile_damage: most(&mut state.material.iter().map(|h| h.tensile_damage)),
             max_compressive_damage: most(&mut state.material.iter().map(|h| h.compressive_damage)),
             out_of_balance: report.out_of_balance,

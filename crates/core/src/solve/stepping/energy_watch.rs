@@ -66,7 +66,7 @@ impl EnergyWatch {
             self.increment,
             self.step,
             self.displacement,
-            100.0 * self.most / self.balance.work(),
+            100.0 * self.most / self.balance.exchanged(),
         ))
     }
 }
