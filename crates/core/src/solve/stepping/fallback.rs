@@ -13,6 +13,7 @@
 //!            largest increments)
 //! ```
 //!
+//! Where all joints are dry, all methods after the first have direct tangents, and secant ones are not tried again.
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
 //! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly, and
 //! inertia, under which the displacement is prescribed as before, where a snap leads to no equilibrium. Every other
@@ -89,8 +90,9 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
-    /// Whether no joint has a bond. Stones that come loose one by one then are common.
-    dry: bool,
+    /// Choice to which a step returns. Dry joints that slid at many points go on to do so: secant tangents are not tried
+    /// again.
+    first: usize,
     /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
@@ -99,27 +101,39 @@ pub struct Fallback {
 /// Methods of a step in the order in which they are tried; `all_has_mass` if inertia can act.
 fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> {
     let softens = model.materials.iter().any(|m| m.parameters.yields());
+    let gives_up_secants = slides(model, step);
+    let tangent = if gives_up_secants {
+        Tangent::Direct
+    } else {
+        step.tangent
+    };
     let own = |method| MethodChoice {
         method,
         // Extrapolated solids are linear: their tangent is their secant.
         tangent: if method == Method::Implex {
             Tangent::Secant
         } else {
-            step.tangent
+            tangent
         },
     };
-    let mut choices = vec![own(Method::of(step.procedure))];
+    let mut choices = vec![MethodChoice {
+        method: Method::of(step.procedure),
+        tangent: step.tangent,
+    }];
     if step.procedure == Procedure::Auto {
         let path = own(Method::Dissipation);
+        if gives_up_secants {
+            choices.push(own(Method::Static));
+        }
         if softens {
-            if step.tangent == Tangent::Secant {
+            if tangent == Tangent::Secant {
                 choices.push(MethodChoice {
                     method: Method::Static,
                     tangent: Tangent::Consistent,
                 });
             }
             choices.push(path);
-            if step.tangent == Tangent::Secant {
+            if tangent == Tangent::Secant {
                 choices.push(MethodChoice {
                     tangent: Tangent::Consistent,
                     ..path
@@ -127,7 +141,7 @@ fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> 
             }
             choices.push(own(Method::Implex));
         }
-        if step.tangent != Tangent::Direct {
+        if tangent != Tangent::Direct {
             choices.push(MethodChoice {
                 method: Method::Direct,
                 tangent: Tangent::Direct,
@@ -156,6 +170,15 @@ fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> 
     choices
 }
 
+/// Whether all joints are dry, so that stones slide at many points at once: in trouble direct tangents are better then
+/// than all other methods with secant ones.
+fn slides(model: &Model, step: &Step) -> bool {
+    let contact = &model.contact;
+    let dry = !contact.laws.is_empty() && contact.laws.iter().all(JointLaw::is_dry);
+    let secant = step.procedure == Procedure::Auto && step.tangent == Tangent::Secant;
+    dry && secant && contact.general.is_none()
+}
+
 impl Fallback {
     /// Fallback of a step; `all_has_mass` if inertia can act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
@@ -175,7 +198,7 @@ impl Fallback {
             lost: 0,
             passed_over: 0,
             snaps: false,
-            dry: model.contact.laws.iter().all(JointLaw::is_dry),
+            first: 0,
         }
     }
 
@@ -198,9 +221,9 @@ impl Fallback {
     /// Returns from a path to the first method, where the loads reverse: the path does not lead back. True if the
     /// method changed.
     pub fn turn(&mut self) -> bool {
-        let leaves = self.at > 0 && self.method().follows_path();
+        let leaves = self.at > self.first && self.method().follows_path();
         if leaves {
-            (self.at, self.calm) = (0, 0);
+            (self.at, self.calm) = (self.first, 0);
         }
         leaves
     }
@@ -283,19 +306,19 @@ impl Fallback {
     /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn take_next(&mut self, rejection: &Rejection, load: f64) {
         self.stalls = 0;
+        if self.gives_up_secants() {
+            self.first = self.at + 1;
+        }
         if self.at < self.statics {
             self.left_at = load;
             self.snaps = *rejection == Rejection::Snap;
         }
         let wanted = match rejection {
-            Rejection::Linear { dof: Some(_), .. } => match self.place(Method::Direct) {
-                Some(direct) if self.dry && self.at < direct => Some(direct),
-                _ => self.inertia(),
-            },
+            Rejection::Linear { dof: Some(_), .. } if !self.gives_up_secants() => self.inertia(),
             // If secant tangents failed before, take the path with consistent ones.
             Rejection::Snap => self
                 .place(Method::Dissipation)
-                .map(|path| path + usize::from(self.at > 0)),
+                .map(|path| path + usize::from(self.at > self.first)),
             _ => None,
         };
         if self.method() == Method::Dissipation {
@@ -337,6 +360,12 @@ impl Fallback {
         self.calm = 0;
     }
 
+    /// Whether secant tangents are given up for the rest of the step: direct ones follow.
+    fn gives_up_secants(&self) -> bool {
+        let next = self.choices.get(self.at + 1);
+        self.at == 0 && self.statics > 1 && next.is_some_and(|c| c.tangent == Tangent::Direct)
+    }
+
     /// Index of the choice with inertia.
     fn inertia(&self) -> Option<usize> {
         self.place(Method::QuasiStatic)
@@ -353,7 +382,7 @@ impl Fallback {
     /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
     pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
-        if self.at == 0 {
+        if self.at == self.first {
             return false;
         }
         let (passed, needed) = match self.method() {
@@ -376,7 +405,7 @@ impl Fallback {
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }
-        (self.at, self.calm) = (0, 0);
+        (self.at, self.calm) = (self.first, 0);
         true
     }
 }
