@@ -92,6 +92,6 @@ def test_what_has_no_factor_says_why() -> None:
             model.limit(along=wrong)
     for weak in (-1.0, 0, True, [1.0], float("nan"), "0 MPa"):
         with pytest.raises((TypeError, ValueError), match="^strength: "):
-            model.limit(along="x", strength=weak)
+            model.limit(along="x", strength=weak)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"strength: expected a pressure \(MPa\), found .1 mm. \(a length\)"):
         model.limit(along="x", strength="1 mm")

@@ -85,8 +85,9 @@ def test_materials_come_from_models_dictionaries_and_files(tmp_path: Path) -> No
 
 def test_sizes_are_texts_sequences_or_arrays() -> None:
     by_text = wythe.tests.shear_compression(unit="210x100x60", size="900x800", joint="1 cm", precompression=0.5)
-    for unit, size in (([210, 100.0, 60], (900, 800)), (np.array([210, 100, 60]), np.array([900.0, 800.0]))):
-        by_numbers = wythe.tests.shear_compression(unit=unit, size=size, joint=np.int64(10), precompression=[0.5])
+    given: list[Any] = [([210, 100.0, 60], (900, 800)), (np.array([210, 100, 60]), np.array([900.0, 800.0]))]
+    for unit, size in given:
+        by_numbers = wythe.tests.shear_compression(unit=unit, size=size, joint=10, precompression=[0.5])
         assert by_numbers.models == by_text.models
 
 

@@ -56,7 +56,7 @@ def test_rows_come_in_the_order_of_the_samples(table: Study) -> None:
 
 def test_rows_come_by_slices(table: Study) -> None:
     assert table[1:3] == [table[1], table[2]] and table[-1:] == [table[-1]] and table[9:] == []
-    assert table[np.int64(1)] == table[1]
+    assert table[np.int64(1)] == table[1]  # type: ignore[call-overload]
     with pytest.raises(TypeError, match=r"the number of a row or a slice, got 1\.5"):
         table[1.5]  # type: ignore[call-overload]
 
