@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -111,6 +112,11 @@ def test_drifts_are_points_of_the_curve(wall: wythe.Results, couplet: wythe.Resu
     with pytest.raises(ValueError, match="no clear height"):
         couplet.at_drifts([0.01])
     assert couplet.at_drifts([0.0001], height=100.0)[0]["displacement_mm"] == pytest.approx(0.01)
+    assert wall.at_drifts(0.3 / height) == wall.at_drifts((0.3 / height,)) == [point]
+    wrong: Any
+    for wrong in ("a lot", [[0.1, 0.2]], {}):
+        with pytest.raises(TypeError, match="drifts: expected numbers above 0"):
+            wall.at_drifts(wrong)
     with pytest.raises(ValueError, match="above 0"):
         wall.at_drifts([-0.1])
     with pytest.raises(ValueError, match="above 0"):

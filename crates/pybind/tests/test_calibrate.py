@@ -99,6 +99,40 @@ def test_the_interval_of_an_unseen_parameter_is_that_of_its_bounds(found: Calibr
     assert known.standard_errors["loose"] == pytest.approx(median * deviation, rel=1e-2)
 
 
+def test_a_value_at_its_bound_is_named() -> None:
+    for bounds, which, bound in (([0.5, 1.9], "upper", 1.9), ([2.5, 4.0], "lower", 2.5)):
+        found = fitted({"f": {**F, "start": sum(bounds) / 2, "bounds": bounds}, "k": K})
+        assert found.at_bounds == {"f": which} == found.summary["at_bounds"]
+        assert found.values["f"] == pytest.approx(bound, rel=1e-3)
+        assert found.unseen == ()
+        assert found.notes[0].startswith(f"f is at its {which} bound, {bound:g}: the best value lies beyond.")
+        assert "interval do not hold; widen this bound" in repr(found)
+    inside = fitted({"f": F, "k": K})
+    assert inside.at_bounds == {} and inside.notes == ()
+    # Nothing stops a value at a bound that the curves do not move.
+    blind = fitted({"f": F, "loose": {"key": "unused", "start": 3.0, "bounds": [0.5, 3.0]}})
+    assert blind.at_bounds == {} and "do not see loose" in blind.unseen[0]
+    # A prior stops a value at a bound, too.
+    prior = {"key": "unused", "start": "1 MPa", "bounds": ["0.5 MPa", "1.5 MPa"], "prior": {"mean": "3 MPa", "cv": 0.1}}
+    pulled = fitted({"f": F, "loose": prior})
+    assert pulled.at_bounds == {"loose": "upper"} and "upper bound, 1.5 MPa" in pulled.notes[0]
+
+
+def test_the_page_tells_of_a_bound(tmp_path: Path) -> None:
+    stopped = fitted({"f": {**F, "bounds": [0.5, 1.8]}, "k": K})
+    stopped.save(tmp_path)
+    page = (tmp_path / "calibration.md").read_text()
+    assert "* A bound stops f: its interval does not hold.\n* The tests see every other parameter." in page
+    assert "\n* f is at its upper bound, 1.8: " in page
+
+
+def test_a_large_misfit_is_told() -> None:
+    found = fitted({"f": F}, curves=[measured() * [1.0, 1e3]])
+    assert found.at_bounds == {"f": "upper"} and found.unseen == ()
+    assert found.notes[1].startswith("The misfit is large: the fitted curves differ by up to ")
+    assert "from curve 0 of bar. Check the units" in found.notes[1] and found.notes[1] in repr(found)
+
+
 def test_two_parameters_that_act_alike_are_named() -> None:
     twin = {"key": "twin", "start": 1.0, "bounds": [0.3, 3.0]}
     found = fitted({"f": F, "twin": twin})

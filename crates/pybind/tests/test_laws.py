@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -153,6 +155,27 @@ def test_a_law_that_fails_midway_keeps_its_results(tmp_path: Any) -> None:
     assert len(wythe.Results(tmp_path / "run").history) > 0
 
 
+def test_the_taken_names_are_those_of_the_files_of_a_run() -> None:
+    folder = ROOT / "crates" / "core" / "src" / "results" / "vtkhdf"
+    work, quads = ((folder / name).read_text(encoding="utf-8") for name in ("work.rs", "quads.rs"))
+    solids, surfaces = (
+        set(re.findall(r'column\("(\w+)"', work.split(f"const {name}:")[1].split("];")[0]))
+        for name in ("SOLIDS", "SURFACES")
+    )
+    of_elements = set(re.findall(r'"(\w+)",', work.split("fn labels")[1]))
+    of_points = set(re.findall(r'\("(\w+)", four', quads))
+    assert {"stress", "material"} <= solids | of_elements and {"damage", "law"} <= surfaces | of_points
+    assert JointLaw._taken == surfaces | of_points | {"plastic_opening"}
+    maxima = {field.name[4:] for field in fields(wythe.Increment) if field.name.startswith("max_")}
+    assert SolidLaw._taken == solids | of_elements | maxima
+
+
+def test_a_name_that_the_other_kind_has_is_free() -> None:
+    couplet = wythe.templates.couplet("0.01 mm")
+    law = JointLaw("joint", lambda g, p, s, k: (*elastic(g, p, s, k), s), state={"stress": "1"})
+    assert couplet.run(laws={"joint": law}, threads=1).status == "completed"
+
+
 def test_wrong_arguments_are_named() -> None:
     couplet = wythe.templates.couplet()
     with pytest.raises(ValueError, match="the model has no interface `mortar`; it has"):
@@ -165,6 +188,10 @@ def test_wrong_arguments_are_named() -> None:
         JointLaw("many", friction, state={name: "1" for name in "abcd"})
     with pytest.raises(TypeError, match="state: "):
         JointLaw("odd", friction, state={"Big Name": "1"})
+    with pytest.raises(ValueError, match="state: `damage` is the name of a field or column that runs have; taken are"):
+        JointLaw("taken", friction, state={"damage": "1"})
+    with pytest.raises(ValueError, match="state: `crack_width` is the name of a field"):
+        SolidLaw("taken", von_mises, state={"crack_width": "mm"})
     with pytest.raises(TypeError, match="function: "):
         SolidLaw("none", None)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="softening: "):

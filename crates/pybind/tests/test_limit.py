@@ -64,6 +64,7 @@ def test_a_block_tips_at_its_width_over_its_height(tmp_path: Path) -> None:
     assert model.limit(along=[0.0, -2.0, 0.0], associated=True).factor == pytest.approx(0.125, rel=1e-6)
     crushed = model.limit(along="x", strength=0.05, bonded=True).factor
     assert crushed == pytest.approx(0.25 * (1.0 - 2e-9 * 9810.0 * 800.0 / 0.05), rel=1e-6)
+    assert model.limit(along="x", strength="50 kPa", bonded=True).factor == pytest.approx(crushed, rel=1e-9)
 
 
 def test_files_have_the_mechanism_and_the_forces(tmp_path: Path) -> None:
@@ -89,5 +90,8 @@ def test_what_has_no_factor_says_why() -> None:
     for wrong in ("w", [0.0, 0.0, 0.0]):
         with pytest.raises((TypeError, ValueError), match="along"):
             model.limit(along=wrong)
-    with pytest.raises((TypeError, ValueError), match="strength"):
-        model.limit(along="x", strength=-1.0)
+    for weak in (-1.0, 0, True, [1.0], float("nan"), "0 MPa"):
+        with pytest.raises((TypeError, ValueError), match="^strength: "):
+            model.limit(along="x", strength=weak)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"strength: expected a pressure \(MPa\), found .1 mm. \(a length\)"):
+        model.limit(along="x", strength="1 mm")

@@ -45,6 +45,9 @@ def test_an_animation_is_a_gif(wall: wythe.Results, tmp_path: Path) -> None:
     assert Path(name).read_bytes().startswith(b"GIF89a")
     with pytest.raises(ValueError, match="width from 50"):
         wall.animate(tmp_path / "wall.gif", width=1)
+    with pytest.raises(ValueError, match=r"path: expected a name that ends in \.gif, .* got '.*wall\.mp4'"):
+        wall.animate(tmp_path / "wall.mp4")
+    assert not (tmp_path / "wall.mp4").exists()
 
 
 def test_the_frame_of_the_peak_is_the_peak(wall: wythe.Results) -> None:

@@ -98,6 +98,18 @@ def test_the_threads_do_not_show(tmp_path: Path) -> None:
     assert len(stresses) == 1
 
 
+def test_more_threads_than_cores_are_told_and_few_are_taken(
+    model: wythe.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wythe._run._cores", lambda: 1)
+    with pytest.warns(RuntimeWarning, match=r"threads: 5000 are more than the cores .* \(1\), .* 4 are taken") as told:
+        run = model.run(threads=5000)
+    assert run.summary["threads"] == 4
+    assert told[0].filename == __file__
+    with pytest.warns(RuntimeWarning, match="2 are taken"):
+        model.run(threads=2)
+
+
 def test_the_callback_sees_every_increment(model: wythe.Model) -> None:
     seen: list[wythe.Increment] = []
     run = model.run(callback=seen.append)

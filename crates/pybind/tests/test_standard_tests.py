@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import wythe
 
@@ -79,6 +81,31 @@ def test_materials_come_from_models_dictionaries_and_files(tmp_path: Path) -> No
     tables = {key: wall.to_dict()[key] for key in ("materials", "interfaces")}
     by_tables = wythe.tests.couplet_tension(materials=tables).models[""]
     assert by_tables.to_dict()["interfaces"] == by_model["interfaces"]
+
+
+def test_sizes_are_texts_sequences_or_arrays() -> None:
+    by_text = wythe.tests.shear_compression(unit="210x100x60", size="900x800", joint="1 cm", precompression=0.5)
+    given: list[Any] = [([210, 100.0, 60], (900, 800)), (np.array([210, 100, 60]), np.array([900.0, 800.0]))]
+    for unit, size in given:
+        by_numbers = wythe.tests.shear_compression(unit=unit, size=size, joint=10, precompression=[0.5])
+        assert by_numbers.models == by_text.models
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"unit": [250, 120]}, 'unit: expected 3 numbers in mm, or a text such as "250x120x55", got list'),
+        ({"unit": ["250 mm", "120 mm", "55 mm"]}, "unit: expected 3 numbers in mm"),
+        ({"unit": 250}, "unit: expected 3 numbers in mm, .* got 250"),
+        ({"size": [1200.0, True]}, 'size: expected 2 numbers in mm, or a text such as "1200x1200"'),
+        ({"joint": {}}, 'joint: expected numbers, or a text such as "1 cm", got dict'),
+        ({"precompression": [None]}, "precompression: expected numbers, or a text such as"),
+        ({"materials": 3}, "materials: expected a path"),
+    ],
+)
+def test_options_of_a_wrong_type_are_named(options: dict[str, Any], told: str) -> None:
+    with pytest.raises(TypeError, match=told):
+        wythe.tests.shear_compression(**options)
 
 
 def test_wrong_options_are_value_errors() -> None:

@@ -54,6 +54,13 @@ def test_rows_come_in_the_order_of_the_samples(table: Study) -> None:
     assert table.statuses == {"completed": 2, "not_converged": 1, "failed": 1, "lost": 1}
 
 
+def test_rows_come_by_slices(table: Study) -> None:
+    assert table[1:3] == [table[1], table[2]] and table[-1:] == [table[-1]] and table[9:] == []
+    assert table[np.int64(1)] == table[1]  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"the number of a row or a slice, got 1\.5"):
+        table[1.5]  # type: ignore[call-overload]
+
+
 def test_columns_are_arrays(table: Study) -> None:
     np.testing.assert_array_equal(table["peak_force_kN"], [10.0, np.nan, 30.0, np.nan, np.nan])
     assert table["sample"].dtype == np.int64 and list(table["sample"]) == [1, 2, 3, 4, 6]

@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from wythe import _wythe
-from wythe._errors import as_path
+from wythe._errors import as_path, expected
 from wythe._frames import Floats, History
 from wythe._temporary import Temporary
 
@@ -173,17 +173,20 @@ class RunFigures:
         return [f"{head}: {text}" for head, text in _wythe.answers(self._path)[1]]
 
     def at_drifts(
-        self, drifts: Sequence[float], *, height: float | None = None
+        self, drifts: float | Sequence[float], *, height: float | None = None
     ) -> list[dict[str, Any]]:
-        """Force and displacement of the curve at drifts [-] over ``height`` [mm], by default the clear height of the
-        model. The keys are those of ``performance_points``.
+        """Force and displacement of the curve at drifts [-], or at one, over ``height`` [mm], by default the clear
+        height of the model. The keys are those of ``performance_points``.
 
         Raises
         ------
         ValueError
             Nothing was driven, or the model has no clear height and none is given.
         """
-        wanted = [float(drift) for drift in drifts]
+        try:
+            wanted = [float(drift) for drift in np.atleast_1d(np.asarray(drifts, dtype=np.float64))]
+        except (TypeError, ValueError) as error:
+            raise expected("drifts", "numbers above 0", drifts) from error
         if not all(drift > 0.0 and math.isfinite(drift) for drift in wanted):
             raise ValueError(f"drifts: expected numbers above 0, got {wanted}")
         if height is not None and not (height > 0.0 and math.isfinite(height)):

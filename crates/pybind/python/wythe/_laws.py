@@ -32,6 +32,18 @@ Function = Callable[[Floats, Floats, Floats, Floats], Answer]
 
 #: Largest number of values in the state of a point.
 _STATES = 3
+#: Fields of contact points in the files of a run (crates/core/src/results/vtkhdf/work.rs and quads.rs). The last one is
+#: that of every law of one's own.
+_OF_POINTS = frozenset(
+    ("displacement", "opening", "slip", "traction", "damage", "state", "facet", "law", "plastic_opening")
+)
+#: Fields of elements and nodes there, and the NAME of `max_NAME`, a column of every history.
+_OF_ELEMENTS = frozenset(
+    (
+        "displacement", "velocity", "stress", "principal_stress", "plastic_strain", "tensile_damage",
+        "compressive_damage", "crack_width", "yielded", "material", "unit", "course", "interface_damage",
+    )
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +59,8 @@ class _Law:
 
     _size: ClassVar[int]
     _traction: ClassVar[str]
+    _taken: ClassVar[frozenset[str]]
+    """Names that fields of the results and columns of the history have without the law."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -60,6 +74,9 @@ class _Law:
         for name, unit in self.state.items():
             if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
                 raise expected("state", "names of lower-case letters, digits and `_`", name)
+            if name in self._taken:
+                taken = ", ".join(sorted(self._taken))
+                raise ValueError(f"state: `{name}` is the name of a field or column that runs have; taken are {taken}")
             if not isinstance(unit, str) or not unit:
                 raise expected("state", "a unit for each name, '1' for none", unit)
 
@@ -129,7 +146,8 @@ class JointLaw(_Law):
         The law.
     state
         Names and units of at most three numbers that the law keeps at each point. They become fields of the
-        results, as the plastic opening does.
+        results, as the plastic opening does. Names of fields that runs have are taken: ``opening``, ``slip``,
+        ``traction``, ``damage``, ``state``, ``displacement``, ``facet``, ``law``, ``plastic_opening``.
     softening
         Steepest slopes by which the traction falls in opening and in slip [N/mm^3]. The solver keeps its numerical
         stiffness above them.
@@ -155,6 +173,7 @@ class JointLaw(_Law):
 
     _size: ClassVar[int] = 3
     _traction: ClassVar[str] = "traction"
+    _taken: ClassVar[frozenset[str]] = _OF_POINTS
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -241,11 +260,15 @@ class SolidLaw(_Law):
         The law.
     state
         Names and units of at most three numbers that the law keeps at each point. They become fields of the
-        results and columns of the history.
+        results and columns of the history. Names of fields that runs have are taken: ``stress``,
+        ``principal_stress``, ``plastic_strain``, ``tensile_damage``, ``compressive_damage``, ``crack_width``,
+        ``yielded``, ``displacement``, ``velocity``, ``material``, ``unit``, ``course``; and ``interface_damage``, whose
+        column of the history is taken.
     """
 
     _size: ClassVar[int] = 6
     _traction: ClassVar[str] = "stress"
+    _taken: ClassVar[frozenset[str]] = _OF_ELEMENTS
 
     def drive(
         self,

@@ -6,10 +6,10 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, SupportsFloat
 
 from wythe import _wythe
-from wythe._errors import as_path, expected
+from wythe._errors import ModelError, as_path, expected
 from wythe._frames import Floats
 from wythe._picture import Picture
 
@@ -82,14 +82,12 @@ def limit_of(
     deck: _wythe.Deck,
     associated: bool,
     bonded: bool,
-    strength: float | None,
+    strength: float | str | None,
     along: str | Sequence[float] | None,
 ) -> LimitAnalysis:
     """See :meth:`wythe.Model.limit`."""
     way = None if along is None else _direction(along)
-    if strength is not None and not strength > 0.0:
-        raise expected("strength", "a pressure above 0 [MPa]", strength)
-    limit = deck.limit(associated, bonded, strength, way)
+    limit = deck.limit(associated, bonded, None if strength is None else _strength(strength), way)
     found: dict[str, Any] = json.loads(limit.table())
     return LimitAnalysis(
         factor=found["factor"],
@@ -107,6 +105,21 @@ def limit_of(
         picture=Picture(limit.picture()),
         _found=limit,
     )
+
+
+def _strength(strength: object) -> float:
+    """A pressure above 0 [MPa]; the reader of decks knows the units."""
+    if isinstance(strength, str):
+        tables = {"format": 1, "materials": {"any": {"E": strength, "nu": 0.0}}}
+        try:
+            read = _wythe.Deck.read(_wythe.Deck.toml_of_json(json.dumps(tables)), False, None, [])
+        except ModelError as error:
+            raise ValueError(f"strength: {error.message}") from None
+        strength = json.loads(read.to_json())["materials"]["any"]["E"]
+    number = float(strength) if isinstance(strength, SupportsFloat) and not isinstance(strength, bool) else 0.0
+    if not number > 0.0:
+        raise expected("strength", 'a pressure above 0 [MPa], or a text such as "10 MPa"', strength)
+    return number
 
 
 def _direction(along: str | Sequence[float]) -> list[float]:

@@ -310,7 +310,7 @@ class Model:
         *,
         associated: bool = False,
         bonded: bool = False,
-        strength: float | None = None,
+        strength: float | str | None = None,
         along: str | Sequence[float] | None = None,
     ) -> LimitAnalysis:
         """Largest factor of the live loads that rigid units on their joints carry, and the mechanism.
@@ -324,7 +324,7 @@ class Model:
         bonded
             Whether joints have their tensile strength and cohesion; they are dry otherwise.
         strength
-            Compressive strength of the joints [MPa]; infinite if not given.
+            Compressive strength of the joints: a number [MPa] or a text with a unit; infinite if not given.
         along
             Direction of a body force over the weight, in place of the live step: ``"x"``, ``"-y"``, or a vector.
 

@@ -345,7 +345,7 @@ class Results(RunFigures):
         Parameters
         ----------
         path
-            Name of the file.
+            Name of the file; it ends in ``.gif``.
         face, section, view, scale
             See :meth:`picture`.
         width
@@ -360,6 +360,8 @@ class Results(RunFigures):
         if not (50 <= width <= 4000 and most >= 1 and delay > 0.0):
             raise ValueError("animate: expected width from 50 to 4000, most from 1, delay above 0")
         name = as_path("path", path)
+        if not name.lower().endswith(".gif") and not name.startswith("/dev/"):
+            raise ValueError(f"path: expected a name that ends in .gif, the only format of an animation, got {name!r}")
         drawn = (int(width), float(delay), bool(curve), int(most))
         _wythe.animate(self._path, name, seen_from(face, section, view), factor_of(scale), drawn)
         return name

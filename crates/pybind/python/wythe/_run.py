@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TextIO
@@ -55,6 +56,9 @@ class Increment:
     procedure: str
     probes: Mapping[str, float]
 
+
+#: Largest number of threads per core, as for the command; more only wait for each other.
+MOST_OF_A_CORE = 4
 
 Callback = Callable[[Increment], "bool | None"]
 
@@ -113,7 +117,23 @@ def _threads(threads: object) -> int | None:
         raise expected("threads", "a whole number from 1, or None", threads)
     if threads < 1:
         raise ValueError(f"threads: expected a whole number from 1, got {threads}")
-    return threads
+    cores = _cores()
+    taken = min(threads, MOST_OF_A_CORE * cores)
+    if threads > cores:
+        warnings.warn(
+            f"threads: {threads} are more than the cores of this process ({cores}), which only slows it down; "
+            f"{taken} are taken",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+    return taken
+
+
+def _cores() -> int:
+    """Number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _listeners(

@@ -8,13 +8,13 @@
 ``test.run()`` runs the models and evaluates them. All functions take the same options:
 
 unit
-    Length, thickness and height of a unit, ``"250x120x55"`` [mm].
+    Length, thickness and height of a unit, ``"250x120x55"`` or ``[250, 120, 55]`` [mm].
 joint
     Thickness of the joints, ``10`` or ``"1 cm"`` [mm].
 precompression
     Pressures, ``"0.2, 0.6, 1.0 MPa"`` or a sequence of numbers [MPa]; a model for each.
 size
-    Length and height of a wall, ``"1200x1200"`` [mm]; the nearest whole units and courses are taken.
+    Length and height of a wall, ``"1200x1200"`` or ``[1200, 1200]`` [mm]; the nearest whole units and courses are taken.
 materials
     A TOML file with ``[materials.unit]``, ``[materials.mortar]`` and ``[interfaces.joint]``, a model that has them,
     or a dictionary; without it those of the catalogue.
@@ -29,9 +29,10 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, SupportsFloat, TypeAlias
 
 from wythe import _wythe
+from wythe._errors import as_path, expected
 from wythe._model import Model
 from wythe._results import Results
 
@@ -69,6 +70,8 @@ Materials: TypeAlias = "str | os.PathLike[str] | Model | Mapping[str, Any]"
 Quantity: TypeAlias = "float | str"
 #: Several of them.
 Quantities: TypeAlias = "float | str | Sequence[float]"
+#: Numbers [mm], or a text with ``x`` between them.
+Sizes: TypeAlias = "str | Sequence[float]"
 
 
 @dataclass(frozen=True)
@@ -218,12 +221,34 @@ def evaluate(*runs: Results | str | os.PathLike[str]) -> Evaluation:
     )
 
 
-def _text(value: Quantities | None) -> str | None:
+def _text(argument: str, value: Quantities | None, example: str) -> str | None:
+    """A number or several as the text of the option."""
     if value is None or isinstance(value, str):
         return value
-    if isinstance(value, Sequence):
-        return ", ".join(str(float(item)) for item in value)
-    return str(float(value))
+    numbers = _numbers(value)
+    if not numbers:
+        raise expected(argument, f"numbers, or a text such as {example}", value)
+    return ", ".join(map(repr, numbers))
+
+
+def _sizes(argument: str, value: Sizes | None, example: str) -> str | None:
+    """Sizes as the text of the option."""
+    if value is None or isinstance(value, str):
+        return value
+    numbers, wanted = _numbers(value), example.count("x") + 1
+    if len(numbers) != wanted or isinstance(value, (float, int)):
+        raise expected(argument, f"{wanted} numbers in mm, or a text such as {example}", value)
+    return "x".join(map(repr, numbers))
+
+
+def _numbers(value: object) -> list[float]:
+    """Numbers of a sequence, an array or a single one; none if something else is among them."""
+    items: Any = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(items, Sequence) or isinstance(items, str):
+        items = [items]
+    if any(isinstance(item, bool) or not isinstance(item, SupportsFloat) for item in items):
+        return []
+    return [float(item) for item in items]
 
 
 def _tables(materials: Materials | None) -> str | None:
@@ -233,21 +258,26 @@ def _tables(materials: Materials | None) -> str | None:
         return materials.to_toml()
     if isinstance(materials, Mapping):
         return Model.from_dict({"format": 1, **materials}).to_toml()
-    return Path(materials).read_text(encoding="utf-8")
+    return Path(as_path("materials", materials)).read_text(encoding="utf-8")
 
 
 def standard(
     name: str,
     *,
-    unit: str | None = None,
+    unit: Sizes | None = None,
     joint: Quantity | None = None,
     precompression: Quantities | None = None,
-    size: str | None = None,
+    size: Sizes | None = None,
     materials: Materials | None = None,
 ) -> Test:
     """The test of this name, see ``names``; the module describes the options."""
     decks = _wythe.test_decks(
-        name, unit, _text(joint), _text(precompression), size, _tables(materials)
+        name,
+        _sizes("unit", unit, '"250x120x55"'),
+        _text("joint", joint, '"1 cm"'),
+        _text("precompression", precompression, '"0.2, 1.0 MPa"'),
+        _sizes("size", size, '"1200x1200"'),
+        _tables(materials),
     )
     return Test(name, {part: Model.from_toml(text) for part, text in decks})
 
@@ -260,10 +290,10 @@ class Maker(Protocol):
     def __call__(
         self,
         *,
-        unit: str | None = None,
+        unit: Sizes | None = None,
         joint: Quantity | None = None,
         precompression: Quantities | None = None,
-        size: str | None = None,
+        size: Sizes | None = None,
         materials: Materials | None = None,
     ) -> Test:
         """The test with these options."""
@@ -273,10 +303,10 @@ class Maker(Protocol):
 def _named(name: str, about: str) -> Maker:
     def make(
         *,
-        unit: str | None = None,
+        unit: Sizes | None = None,
         joint: Quantity | None = None,
         precompression: Quantities | None = None,
-        size: str | None = None,
+        size: Sizes | None = None,
         materials: Materials | None = None,
     ) -> Test:
         return standard(

@@ -14,6 +14,7 @@ from wythe._calibrate._curves import response
 from wythe._calibrate._fit import Fit, fitted
 from wythe._calibrate._identify import seen
 from wythe._calibrate._job import Job
+from wythe._calibrate._notes import of_bounds, of_misfit
 from wythe._calibrate._posterior import Posterior, sampled
 from wythe._calibrate._problem import Problem
 from wythe._calibrate._read import job_of, job_of_file
@@ -123,10 +124,11 @@ def _read(job: Any, tests: Any, parameters: Any, more: dict[str, Any]) -> Job:
 
 def _result(problem: Problem, fit: Fit, posterior: Posterior | None) -> Calibration:
     correlation = correlation_of(fit)
+    curves = _curves(problem, fit)
     findings = Findings(
-        curves=_curves(problem, fit),
+        curves=curves,
         failures=tuple(problem.failures.values()),
-        notes=(*problem.notes, *problem.blind),
+        notes=(*of_bounds(problem.job.parameters, fit), *of_misfit(curves), *problem.notes, *problem.blind),
         runs=problem.runs.done,
         posterior=posterior,
         bands=_bands(problem, posterior),

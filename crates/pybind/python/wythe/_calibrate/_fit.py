@@ -21,6 +21,8 @@ SETTLED = 0.02
 PASSES = 6
 # Eigenvalues of the information below this are those of combinations that nothing determines.
 LEAST = 1e-6
+# A position so near to 0 or 1 is at its bound, if the slope of the misfit leads beyond it.
+AT_BOUND = 0.01
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Fit:
     """Derivatives of ``residuals``. Shape (rows, parameters)."""
     priors: Floats
     """Derivatives of the rows of the priors. Shape (priors, parameters)."""
+    prior_rows: Floats
+    """Residuals of the priors, over their deviations. Shape (priors,)."""
     noise: Noise
     converged: bool
     message: str
@@ -49,6 +53,23 @@ class Fit:
     def covariance_of_points(self) -> Floats:
         """The same, if whole specimens did not deviate."""
         return self._inverse(between=False)
+
+    @property
+    def at_bounds(self) -> tuple[int, ...]:
+        """-1 for a parameter that its lower bound stops, 1 for one that its upper bound stops, 0 for others.
+
+        The least squares keep within the bounds and end just inside. The bound stops a position that is near to it
+        if a step to the least misfit, of this parameter alone, leads beyond.
+        """
+        weight = max(self.noise.scale, 1e-12) ** -2
+        slopes = weight * (self.jacobian.T @ self.residuals) + self.priors.T @ self.prior_rows
+        curvatures = weight * (self.jacobian**2).sum(axis=0) + (self.priors**2).sum(axis=0)
+        found: list[int] = []
+        for z, slope, curvature in zip(self.positions, slopes, curvatures, strict=True):
+            aim = z - slope / curvature if curvature > 0.0 else z
+            low, high = z < AT_BOUND and aim < 0.0, z > 1.0 - AT_BOUND and aim > 1.0
+            found.append(int(high) - int(low))
+        return tuple(found)
 
     def _inverse(self, between: bool) -> Floats:
         whole = self.noise.information(self.jacobian, between) + self.priors.T @ self.priors
@@ -113,6 +134,7 @@ def _judged(problem: Problem, answer: Any, iterations: int) -> Fit:
         residuals=residuals,
         jacobian=jacobian,
         priors=priors,
+        prior_rows=problem.prior_rows(positions),
         noise=estimated(problem, residuals, used),
         converged=answer.status > 0,
         message=str(answer.message),

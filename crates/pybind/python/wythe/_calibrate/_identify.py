@@ -41,17 +41,21 @@ def seen(parameters: tuple[Parameter, ...], fit: Fit, correlation: Floats) -> Si
     squares = np.where(squares > 1e-12 * max(float(squares[-1]), 1.0), squares, 0.0)
     singular, directions = np.sqrt(squares[::-1]), vectors.T[::-1]
     left = np.sqrt(((directions.T**2) / (1.0 + singular**2)).sum(axis=1))
-    sentences = _of_parameters(parameters, left)
+    # What stops a value at its bound is the bound: its interval says nothing about the tests.
+    stopped = {p.name for p, side in zip(parameters, fit.at_bounds, strict=True) if side}
+    sentences = _of_parameters(parameters, left, stopped)
     blind = {p.name for p, part in zip(parameters, left, strict=True) if part > UNSEEN}
-    sentences += _of_directions(parameters, singular, directions, blind)
+    sentences += _of_directions(parameters, singular, directions, blind | stopped)
     told = " ".join(sentences)
-    sentences += _of_pairs(parameters, correlation, told)
+    sentences += _of_pairs(parameters, correlation, told, stopped)
     return Sight(singular, left, tuple(sentences))
 
 
-def _of_parameters(parameters: tuple[Parameter, ...], left: Floats) -> list[str]:
+def _of_parameters(parameters: tuple[Parameter, ...], left: Floats, stopped: set[str]) -> list[str]:
     said: list[str] = []
     for parameter, part in zip(parameters, left, strict=True):
+        if parameter.name in stopped:
+            continue
         what = "bounds" if parameter.prior is None else "prior"
         if part > UNSEEN:
             said.append(f"The tests do not see {parameter.name}: its interval is as wide as its {what}.")
@@ -62,7 +66,7 @@ def _of_parameters(parameters: tuple[Parameter, ...], left: Floats) -> list[str]
 
 
 def _of_directions(
-    parameters: tuple[Parameter, ...], singular: Floats, directions: Floats, blind: set[str]
+    parameters: tuple[Parameter, ...], singular: Floats, directions: Floats, without: set[str]
 ) -> list[str]:
     """Combinations that the tests do not see, although they see each part of them."""
     said: list[str] = []
@@ -72,7 +76,7 @@ def _of_directions(
         parts = [
             (p.name, float(part))
             for p, part in zip(parameters, direction, strict=True)
-            if abs(part) > NAMED and p.name not in blind
+            if abs(part) > NAMED and p.name not in without
         ]
         if len(parts) > 1:
             sign = np.sign(parts[0][1])
@@ -84,12 +88,16 @@ def _of_directions(
     return said
 
 
-def _of_pairs(parameters: tuple[Parameter, ...], correlation: Floats, told: str) -> list[str]:
+def _of_pairs(
+    parameters: tuple[Parameter, ...], correlation: Floats, told: str, stopped: set[str]
+) -> list[str]:
     said: list[str] = []
     for at, first in enumerate(parameters):
         for other, second in enumerate(parameters[:at]):
             value = float(correlation[at, other])
             pair = f"{second.name} and {first.name}"
+            if stopped & {first.name, second.name}:
+                continue
             if abs(value) >= PAIRED and pair not in told:
                 said.append(f"The tests know {pair} better together than each: their correlation is {value:+.2f}.")
     return said

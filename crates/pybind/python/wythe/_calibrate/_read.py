@@ -267,13 +267,17 @@ def _curve(table: Table, where: str, item: object, folder: Path) -> Curve:
 
 
 def _points(table: Table, where: str, item: object) -> Any:
+    wanted = "expected a path or an array of shape (points, 2)"
+    fix = "give displacements [mm] and forces [kN] in two columns"
     try:
         points = np.asarray(item, dtype=np.float64)
     except (TypeError, ValueError):
-        points = np.zeros(0)
-    if points.ndim != 2 or points.shape[-1] != 2 or len(points) < FEWEST:
-        what = f"expected a path or an array of shape (points, 2), got {told(item)}"
-        table.fail(where, what, "give displacements [mm] and forces [kN] in two columns")
+        table.fail(where, f"{wanted}, got {told(item)}", fix)
+    if points.ndim != 2 or points.shape[-1] != 2:
+        got = f"one of shape {points.shape}" if points.ndim else told(item)
+        table.fail(where, f"{wanted}, got {got}", fix)
+    if len(points) < FEWEST:
+        table.fail(where, f"{wanted} with {FEWEST} points or more, got {len(points)}", fix)
     return points
 
 

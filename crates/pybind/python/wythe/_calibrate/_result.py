@@ -86,12 +86,18 @@ class Calibration:
         (parameters,)."""
         self.unseen: tuple[str, ...] = sight.sentences
         """Sentences about parameters and combinations that the tests do not see; empty if they see all."""
+        sides = {-1: "lower", 1: "upper"}
+        self.at_bounds: dict[str, str] = {
+            name: sides[side] for name, side in zip(self.names, fit.at_bounds, strict=True) if side
+        }
+        """The bound, ``"lower"`` or ``"upper"``, of each parameter that its bound stops; its interval does not hold."""
         self.curves: tuple[CurveFit, ...] = found.curves
         """The measured curves beside those of the fitted decks."""
         self.failures: tuple[FailedRun, ...] = found.failures
         """Runs that failed, or ended before the last measured point."""
         self.notes: tuple[str, ...] = found.notes
-        """Further facts: points that do not count, derivatives that no run gave."""
+        """Further facts: values at their bounds, a large misfit, points that do not count, derivatives that no run
+        gave."""
         self.noise: float = fit.noise.point
         """Standard deviation of a point, as a part of the peak of its curve [-]."""
         self.repeats: float = fit.noise.repeats
@@ -182,6 +188,7 @@ class Calibration:
             "correlation": self.correlation.tolist(),
             "singular_values": self.singular_values.tolist(),
             "unseen": list(self.unseen),
+            "at_bounds": self.at_bounds,
             "noise": self.noise,
             "repeats": self.repeats,
             "between": self.between,

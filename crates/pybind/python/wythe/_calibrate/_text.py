@@ -27,6 +27,7 @@ def short(of: Calibration) -> str:
         lines.append(f"{'  '.join(cells)} {row[4]}".rstrip())
     lines.append(_noise(of))
     lines += of.unseen
+    lines += [f"note: {note}" for note in of.notes]
     if of.failures:
         lines.append(f"{len(of.failures)} runs failed or ended early; .failures lists them.")
     return "\n".join(lines)
@@ -38,7 +39,10 @@ def page(of: Calibration, pictured: bool) -> str:
     if pictured:
         parts.append("![Measured points and fitted curves](curves.png)")
     parts += ["## Parameters", _parameters(of)]
-    seen = "The tests see every parameter." if not of.unseen else "\n".join(f"* {line}" for line in of.unseen)
+    stopped = [f"A bound stops {name}: its interval does not hold." for name in of.at_bounds]
+    others = " other" if stopped else ""
+    told = of.unseen or ([f"The tests see every{others} parameter."] if len(stopped) < len(of.names) else [])
+    seen = "\n".join(f"* {line}" for line in (*stopped, *told))
     singular = ", ".join(f"{value:.3g}" for value in of.singular_values)
     parts += [
         "## What the tests see",

@@ -9,12 +9,12 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wythe._errors import as_path, need, write_text
+from wythe._errors import as_path, expected, need, write_text
 from wythe._study._errors import StudyError
 from wythe._study._journal import Line, read
 from wythe._study._ranking import Ranking, ranked
@@ -37,8 +37,8 @@ SHORT = ("peak_force_kN", "displacement_at_peak_mm", "initial_stiffness_kN_per_m
 class Study:
     """Table of a study, as returned by :func:`wythe.study`. Rows are in the order of the samples.
 
-    It supports ``len(study)``, ``study[0]`` (a row as a dict), ``study["peak_force_kN"]`` (a column) and iteration
-    over the rows. Columns are ``sample`` (from 1), the parameters, ``status``, ``message``, ``attempts`` and the
+    It supports ``len(study)``, ``study[0]`` (a row as a dict), ``study[:3]`` (a list of rows),
+    ``study["peak_force_kN"]`` (a column) and iteration over the rows. Columns are ``sample`` (from 1), the parameters, ``status``, ``message``, ``attempts`` and the
     measures.
     """
 
@@ -91,9 +91,18 @@ class Study:
     @overload
     def __getitem__(self, what: int) -> dict[str, Any]: ...
 
-    def __getitem__(self, what: str | int) -> NDArray[Any] | dict[str, Any]:
-        """A column by its name, or a row by its index from 0."""
-        return self.column(what) if isinstance(what, str) else self._row(self._lines[what])
+    @overload
+    def __getitem__(self, what: slice) -> list[dict[str, Any]]: ...
+
+    def __getitem__(self, what: str | int | slice) -> NDArray[Any] | dict[str, Any] | list[dict[str, Any]]:
+        """A column by its name, a row by its index from 0, or several rows by a slice."""
+        if isinstance(what, str):
+            return self.column(what)
+        if isinstance(what, slice):
+            return [self._row(line) for line in self._lines[what]]
+        if not isinstance(what, SupportsIndex):
+            raise expected("study[…]", "the name of a column, the number of a row or a slice", what)
+        return self._row(self._lines[what])
 
     def column(self, name: str) -> NDArray[Any]:
         """A column of floats (NaN if missing), integers, booleans or texts."""
