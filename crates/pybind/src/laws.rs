@@ -18,6 +18,7 @@ use wythe_core::material::{
     MaterialParameters, Response, Slot, SolidLaw,
 };
 use wythe_core::model::Model;
+use wythe_core::model::scene::HeldBy;
 use wythe_core::point::checks::{self as of_solids, Paths as RandomPaths};
 
 use crate::errors;
@@ -283,7 +284,25 @@ pub struct Laws {
 }
 
 impl Laws {
+    /// Rejects interfaces whose bond scatters, which a law of one's own cannot know.
+    pub fn require_no_scatter(&self, deck: &wythe_core::deck::Deck) -> PyResult<()> {
+        let scatters = |name: &String| {
+            let interface = deck.interfaces.get(name);
+            interface.is_some_and(|interface| interface.scatter.is_some())
+        };
+        let mut names = self.interfaces.iter().map(|(name, _)| name);
+        names.find(|name| scatters(name)).map_or(Ok(()), |name| {
+            Err(PyValueError::new_err(format!(
+                "laws: the bond of interface `{name}` scatters, and the factor of a unit does not reach a law of one's \
+                 own: take `scatter` out of the deck"
+            )))
+        })
+    }
+
     /// The model with these laws, and a line for each.
+    ///
+    /// # Errors
+    /// Unknown names; a joint that a plane of symmetry of the deck cuts, where the law would get half of the gap.
     pub fn put_into(
         &self,
         py: Python<'_>,
@@ -292,6 +311,12 @@ impl Laws {
     ) -> PyResult<Vec<String>> {
         let mut told = Vec::new();
         for (name, law) in &self.interfaces {
+            if is_cut(model, name) {
+                return Err(PyValueError::new_err(format!(
+                    "laws: a plane of [[symmetry]] cuts joints of interface `{name}`, of which a law of one's own would \
+                     get half the gap: model the whole"
+                )));
+            }
             let contact = &mut model.contact;
             let mut laws = contact.laws.iter_mut().zip(&contact.law_names);
             let mut found = 0;
@@ -323,6 +348,21 @@ impl Laws {
         }
         Ok(told)
     }
+}
+
+/// Whether a plane of symmetry of the deck cuts joints of an interface: their facets lie on nodes that stand for the
+/// other half.
+fn is_cut(model: &Model, name: &str) -> bool {
+    let place = |n: &u32| model.mesh.nodes[*n as usize].map(f64::to_bits);
+    let mirrors = model.supports.iter().filter(|s| s.by == HeldBy::Mirror);
+    let other_half: std::collections::HashSet<_> =
+        mirrors.flat_map(|support| &support.nodes).map(place).collect();
+    let contact = &model.contact;
+    let mut facets = contact.slave_facets.iter().zip(&contact.slave_law);
+    facets.any(|(nodes, law)| {
+        let here = contact.law_names[usize::from(*law)] == name;
+        here && nodes.iter().all(|n| other_half.contains(&place(n)))
+    })
 }
 
 /// Names, each once, as a text.

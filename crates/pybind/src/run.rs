@@ -119,6 +119,7 @@ pub fn run<'py>(
     let changed = match laws {
         None => None,
         Some(laws) => {
+            laws.require_no_scatter(deck.deck())?;
             let mut model = model.clone();
             warnings.extend(laws.put_into(py, &mut model, &failure)?);
             Some(model)

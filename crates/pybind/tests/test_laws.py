@@ -96,6 +96,31 @@ def test_a_couplet_runs_with_a_law_of_ones_own() -> None:
     assert any("Python law `friction`" in warning for warning in run.warnings)
 
 
+def test_own_laws_refuse_joints_of_which_they_would_not_know_all() -> None:
+    """A plane of symmetry halves the gap of a joint, and a scatter its bond; neither reaches a law of one's own."""
+    joint = dict(zeta=4, xi=2, G_I=0.02, G_II=0.1, normal_stiffness=400, shear_stiffness=160)
+    half = wythe.build.wall(
+        unit=[200, 100, 100],
+        length=400,
+        courses=1,
+        bed_joint=0,
+        head_joint=0,
+        bond="stack",
+        brick=wythe.build.elastic("10 GPa", 0.0),
+        joint=wythe.build.joint(0.5, 0.6, 0.7, 0.6, **joint),
+        clamped=False,
+        symmetry=[wythe.build.symmetry("x", 200, "above")],
+        supports=[wythe.build.support("wall.bottom", ["z"]), wythe.build.support("wall.front", ["y"])],
+        steps=[wythe.build.drive(0.15, "x", face="wall.right", free=["y", "z"])],
+    )
+    with pytest.raises(ValueError, match=r"a plane of \[\[symmetry\]\] cuts joints of interface `joint`"):
+        half.run(laws={"joint": FRICTION})
+    text = (ROOT / "examples" / "02_couplet_shear.toml").read_text()
+    text = text.replace("[interfaces.joint]", "[interfaces.joint]\nscatter = { cv = 0.2, seed = 1 }")
+    with pytest.raises(ValueError, match="the bond of interface `joint` scatters"):
+        wythe.Model.from_toml(text).run(laws={"joint": FRICTION})
+
+
 def test_a_block_runs_with_a_solid_of_ones_own() -> None:
     block = wythe.Model.from_toml(
         """
