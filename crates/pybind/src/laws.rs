@@ -355,8 +355,10 @@ impl Laws {
 fn is_cut(model: &Model, name: &str) -> bool {
     let place = |n: &u32| model.mesh.nodes[*n as usize].map(f64::to_bits);
     let mirrors = model.supports.iter().filter(|s| s.by == HeldBy::Mirror);
-    let other_half: std::collections::HashSet<_> =
-        mirrors.flat_map(|support| &support.nodes).map(place).collect();
+    let other_half: std::collections::HashSet<_> = mirrors
+        .flat_map(|support| &support.nodes)
+        .map(place)
+        .collect();
     let contact = &model.contact;
     let mut facets = contact.slave_facets.iter().zip(&contact.slave_law);
     facets.any(|(nodes, law)| {

@@ -18,6 +18,20 @@ pub const HELD: u32 = u32::MAX;
 /// Equation of a slot that is not an unknown.
 pub const PRESCRIBED: u32 = u32::MAX;
 
+/// Part of its slot that each nodal displacement makes: the shape of a settlement, else 1. `[node][xyz]`
+fn parts(nodes: usize, beams: &[Beam]) -> Vec<[f64; 3]> {
+    let mut parts = vec![[1.0; 3]; nodes];
+    for beam in beams {
+        for (&n, part) in beam.nodes.iter().zip(&beam.shape) {
+            parts[n as usize] = [*part; 3];
+        }
+        for &(n, i) in &beam.free {
+            parts[n as usize][i] = 1.0;
+        }
+    }
+    parts
+}
+
 /// Map from generalised to nodal displacements.
 #[derive(Clone, Debug)]
 pub struct DofMap {
@@ -82,15 +96,7 @@ impl DofMap {
         {
             *s = beam_start + (UNSET - 1 - *s);
         }
-        let mut sign = vec![[1.0; 3]; nodes];
-        for beam in beams {
-            for (&n, part) in beam.nodes.iter().zip(&beam.shape) {
-                sign[n as usize] = [*part; 3];
-            }
-            for &(n, i) in &beam.free {
-                sign[n as usize][i] = 1.0;
-            }
-        }
+        let mut sign = parts(nodes, beams);
         for image in reflected {
             slot[image.node as usize] = slot[image.of as usize];
             let of = sign[image.of as usize];

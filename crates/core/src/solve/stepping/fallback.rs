@@ -101,59 +101,19 @@ pub struct Fallback {
 /// Methods of a step in the order in which they are tried; `all_has_mass` if inertia can act.
 fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> {
     let softens = model.materials.iter().any(|m| m.parameters.yields());
-    let gives_up_secants = slides(model, step);
-    let tangent = if gives_up_secants {
-        Tangent::Direct
-    } else {
-        step.tangent
-    };
     let own = |method| MethodChoice {
         method,
-        // Extrapolated solids are linear: their tangent is their secant.
-        tangent: if method == Method::Implex {
-            Tangent::Secant
-        } else {
-            tangent
-        },
-    };
-    let mut choices = vec![MethodChoice {
-        method: Method::of(step.procedure),
         tangent: step.tangent,
-    }];
-    if step.procedure == Procedure::Auto {
-        let path = own(Method::Dissipation);
-        if gives_up_secants {
-            choices.push(own(Method::Static));
-        }
-        if softens {
-            if tangent == Tangent::Secant {
-                choices.push(MethodChoice {
-                    method: Method::Static,
-                    tangent: Tangent::Consistent,
-                });
-            }
-            choices.push(path);
-            if tangent == Tangent::Secant {
-                choices.push(MethodChoice {
-                    tangent: Tangent::Consistent,
-                    ..path
-                });
-            }
-            choices.push(own(Method::Implex));
-        }
-        if tangent != Tangent::Direct {
-            choices.push(MethodChoice {
-                method: Method::Direct,
-                tangent: Tangent::Direct,
-            });
-        }
-        if !softens {
-            choices.push(path);
-        }
-        if all_has_mass {
-            choices.push(own(Method::QuasiStatic));
-        }
-        choices.push(own(Method::Static));
+    };
+    let mut choices = vec![own(Method::of(step.procedure))];
+    if step.procedure == Procedure::Auto && slides(model, step) {
+        choices.push(MethodChoice {
+            method: Method::Static,
+            tangent: Tangent::Direct,
+        });
+        choices.extend(after_statics(Tangent::Direct, softens, all_has_mass));
+    } else if step.procedure == Procedure::Auto {
+        choices.extend(after_statics(step.tangent, softens, all_has_mass));
     }
     if step.procedure == Procedure::DisplacementControl
         && softens
@@ -167,6 +127,35 @@ fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> 
     if step.procedure == Procedure::DisplacementControl && all_has_mass {
         choices.push(own(Method::QuasiStatic));
     }
+    choices
+}
+
+/// Methods of `auto` after statics with these tangents.
+fn after_statics(tangent: Tangent, softens: bool, all_has_mass: bool) -> Vec<MethodChoice> {
+    let with = |method, tangent| MethodChoice { method, tangent };
+    let path = with(Method::Dissipation, tangent);
+    let mut choices = Vec::new();
+    if softens {
+        if tangent == Tangent::Secant {
+            choices.push(with(Method::Static, Tangent::Consistent));
+        }
+        choices.push(path);
+        if tangent == Tangent::Secant {
+            choices.push(with(Method::Dissipation, Tangent::Consistent));
+        }
+        // Extrapolated solids are linear: their tangent is their secant.
+        choices.push(with(Method::Implex, Tangent::Secant));
+    }
+    if tangent != Tangent::Direct {
+        choices.push(with(Method::Direct, Tangent::Direct));
+    }
+    if !softens {
+        choices.push(path);
+    }
+    if all_has_mass {
+        choices.push(with(Method::QuasiStatic, tangent));
+    }
+    choices.push(with(Method::Static, tangent));
     choices
 }
 
