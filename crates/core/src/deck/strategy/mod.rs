@@ -6,6 +6,7 @@
 //! by hand.
 
 mod joints;
+mod shares;
 mod units;
 
 use super::quantity::Quantity;
@@ -15,6 +16,7 @@ use super::schema::{
 use super::wall_defaults;
 use crate::model::scene::ContactPoints;
 use joints::{Joint, Layers};
+use shares::Shares;
 use std::collections::BTreeSet;
 use units::Solid;
 
@@ -163,7 +165,7 @@ impl<'a> Derivation<'a> {
     }
 
     /// Adds the material of the units with the density that unit and mortar have together, and returns its name: that of
-    /// a unit with half of the bed and head joints around it.
+    /// a unit with half of the joints around it.
     fn with_mortar(&mut self) -> String {
         let name = &self.wall.unit_material;
         let materials = &self.deck.materials;
@@ -172,11 +174,8 @@ impl<'a> Derivation<'a> {
         let (Some(unit), Some(mortar)) = (materials.get(name), mortar) else {
             return name.clone();
         };
-        let [length, _, height] = self.wall.unit.map(Quantity::get);
-        let (bed, head) = (self.wall.bed_joint.get(), self.wall.head_joint.get());
-        let joints = (length + head) * bed + self.wall.head_filling.get() * head * height;
-        let mass = unit.density.get() * length * height + mortar.density.get() * joints;
-        let density = mass / ((length + head) * (height + bed));
+        let shares = Shares::of(&self.wall);
+        let density = shares.units * unit.density.get() + shares.mortar * mortar.density.get();
         if (density - unit.density.get()).abs() <= SAME_DENSITY * density {
             return name.clone();
         }

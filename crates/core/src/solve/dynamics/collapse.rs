@@ -148,7 +148,14 @@ impl Run<'_> {
             let mechanism = held && flies && moved.count() >= SEVERAL;
             fallen > 0.0 || mechanism
         };
-        if collapsed {
+        if collapsed && steered && self.carried.runs_away() {
+            self.summary.status = Status::NotConverged;
+            self.summary.message = format!(
+                "step {} ({}): inertia drives the load that a displacement steers beyond all bounds; smaller increments \
+                 (increments.max) may find its equilibrium",
+                step_run.index, step_run.step.name
+            );
+        } else if collapsed {
             self.summary.status = Status::Collapsed;
             let factor = step_run.load;
             self.summary.fall = self.fall((step_run.index, factor), &bodies, driven);
@@ -162,6 +169,9 @@ impl Run<'_> {
         step_run: &StepRun,
         recorder: &mut dyn Recorder,
     ) {
+        if self.summary.status != Status::Collapsed {
+            return; // the message tells it
+        }
         let text = format!(
             "step {} ({}) ends at {}: no equilibrium is left, bodies fall",
             step_run.index,

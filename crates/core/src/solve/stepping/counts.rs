@@ -84,6 +84,9 @@ impl Swings {
 /// Part of the peak by which a force that inertia carries may exceed it unreported [-].
 const EXCESS: f64 = 0.02;
 
+/// Force that inertia carries over the peak from which it is an artefact [-].
+const RUNS_AWAY: f64 = 100.0;
+
 /// Largest forces of the drive with and without the increments whose force inertia carries.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Carried {
@@ -108,6 +111,11 @@ impl Carried {
             (self.most, self.displacement, self.step) = (force, row.displacement_mm, row.step);
         }
         moving
+    }
+
+    /// Whether inertia drove the force beyond all bounds: no fall needs it.
+    pub fn runs_away(&self) -> bool {
+        self.peak > 0.0 && self.most > RUNS_AWAY * self.peak
     }
 
     /// Warning, if a force that does not count exceeds the peak. `whole`: force of the scene over that of the part

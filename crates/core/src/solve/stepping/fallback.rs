@@ -115,17 +115,24 @@ fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> 
     } else if step.procedure == Procedure::Auto {
         choices.extend(after_statics(step.tangent, softens, all_has_mass));
     }
-    if step.procedure == Procedure::DisplacementControl
-        && softens
-        && step.tangent == Tangent::Secant
-    {
-        choices.push(MethodChoice {
+    if step.procedure == Procedure::DisplacementControl {
+        let next = match (slides(model, step), step.tangent) {
+            (true, _) => Some(Tangent::Direct),
+            (false, Tangent::Secant) => softens.then_some(Tangent::Consistent),
+            _ => None,
+        };
+        choices.extend(next.map(|tangent| MethodChoice {
             method: Method::DisplacementControl,
-            tangent: Tangent::Consistent,
-        });
-    }
-    if step.procedure == Procedure::DisplacementControl && all_has_mass {
-        choices.push(own(Method::QuasiStatic));
+            tangent,
+        }));
+        choices.extend(
+            all_has_mass.then_some(MethodChoice {
+                method: Method::QuasiStatic,
+                tangent: next
+                    .filter(|t| *t == Tangent::Direct)
+                    .unwrap_or(step.tangent),
+            }),
+        );
     }
     choices
 }
@@ -164,8 +171,9 @@ fn after_statics(tangent: Tangent, softens: bool, all_has_mass: bool) -> Vec<Met
 fn slides(model: &Model, step: &Step) -> bool {
     let contact = &model.contact;
     let dry = !contact.laws.is_empty() && contact.laws.iter().all(JointLaw::is_dry);
-    let secant = step.procedure == Procedure::Auto && step.tangent == Tangent::Secant;
-    dry && secant && contact.general.is_none()
+    let procedure = step.procedure;
+    let changes = matches!(procedure, Procedure::Auto | Procedure::DisplacementControl);
+    dry && changes && step.tangent == Tangent::Secant && contact.general.is_none()
 }
 
 impl Fallback {
