@@ -250,9 +250,9 @@ fn a_wall_cracks_along_a_stepped_diagonal() {
 
 #[test]
 fn beds_under_openings_are_no_damage() {
-    // Units of the course below reach by half their length below the jambs of a window of one unit.
-    let window = "courses = 10\nopenings = [{ from = 375, to = 625, sill = 4, courses = 3, lintel = { courses = 1, \
-                  bearing = 125, material = \"unit\" } }]";
+    // The outer units of the course below reach by a quarter of their length below the window.
+    let window = "courses = 10\nopenings = [{ from = 312.5, to = 687.5, sill = 4, courses = 3, lintel = { courses = 1, \
+                  bearing = 62.5, material = \"unit\" } }]";
     let text = WALL.replace("courses = 10", window);
     let text = text.replace("0.6 MPa", "0.05 MPa");
     let (mut model, _) = Model::from_deck(&deck(&text)).unwrap();

@@ -161,6 +161,10 @@ fn after_statics(tangent: Tangent, softens: bool, all_has_mass: bool) -> Vec<Met
     }
     if all_has_mass {
         choices.push(with(Method::QuasiStatic, tangent));
+        if tangent == Tangent::Direct {
+            // Bodies that fly have no stiffness but that of secant tangents.
+            choices.push(with(Method::QuasiStatic, Tangent::Secant));
+        }
     }
     choices.push(with(Method::Static, tangent));
     choices
@@ -173,7 +177,10 @@ fn slides(model: &Model, step: &Step) -> bool {
     let dry = !contact.laws.is_empty() && contact.laws.iter().all(JointLaw::is_dry);
     let procedure = step.procedure;
     let changes = matches!(procedure, Procedure::Auto | Procedure::DisplacementControl);
-    dry && changes && step.tangent == Tangent::Secant && contact.general.is_none()
+    // Under a weight that grows from nothing, stones that nothing presses yet have no stiffness without secant tangents.
+    let moves = step.drives() || step.control.is_some() || step.only_loads();
+    let may_change = changes && moves && step.tangent == Tangent::Secant;
+    dry && may_change && contact.general.is_none()
 }
 
 impl Fallback {

@@ -322,7 +322,9 @@ impl<'m> Run<'m> {
         );
         self.free_damage(step_run);
         self.measure_path(step_run, request, (&dq, added), growth, &before);
-        let moves = self.state.energies.moves_on(&before);
+        let hastens = self.state.energies.hastens(&before);
+        // A block that slides under little more than its limit gains speed, but never much energy beside its friction.
+        let moves = self.state.energies.moves_on(&before) || (step_run.held > 0 && hastens);
         let why = self.watch(step_run, carried);
         let whole = step_run.is_whole();
         let end = whole || why.is_some() || collapsed;
@@ -335,7 +337,7 @@ impl<'m> Run<'m> {
         step_run.begin_attempts(request.method);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
-        step_run.hold_or_go_on(moves || self.state.energies.hastens(&before));
+        step_run.hold_or_go_on(moves || hastens);
         if collapsed {
             self.report_collapse(step_run, recorder);
         }
