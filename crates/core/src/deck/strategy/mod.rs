@@ -174,7 +174,7 @@ impl<'a> Derivation<'a> {
         let (Some(unit), Some(mortar)) = (materials.get(name), mortar) else {
             return name.clone();
         };
-        let shares = Shares::of(&self.wall);
+        let shares = Shares::of(self.wall);
         let density = shares.units * unit.density.get() + shares.mortar * mortar.density.get();
         if (density - unit.density.get()).abs() <= SAME_DENSITY * density {
             return name.clone();
