@@ -211,7 +211,7 @@ fn a_unit_pushed_in_place_slides_on_its_beds() {
     let folder = tempfile::tempdir().unwrap();
     let options = ["--precompression", "0.1, 0.6 MPa"];
     let found = evaluated(folder.path(), "astm-c1531", &options, &[]);
-    // Under the higher pressure the mortar beside the unit cracks before it slides.
+    // Under the higher pressure a unit of the course above cracks before the tested one slides.
     let notes = found["notes"].as_array().unwrap();
     let [note] = &notes[..] else {
         panic!("{notes:?}")
