@@ -12,7 +12,9 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wythe_contact::checks::{self as of_joints, Path};
-use wythe_contact::{InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, Output, SLOTS};
+use wythe_contact::{
+    Aabb, InterfaceHistory, InterfaceLaw, InterfaceResponse, JointLaw, Output, SLOTS,
+};
 use wythe_core::material::{
     ElasticParameters, Increment, LawOutput, LocalFailure, Material, MaterialHistory,
     MaterialParameters, Response, Slot, SolidLaw,
@@ -350,22 +352,27 @@ impl Laws {
     }
 }
 
-/// Whether a plane of symmetry of the deck cuts joints of an interface: their facets lie on nodes that stand for the
+/// Whether a plane of symmetry of the deck cuts joints of an interface: their facets lie on faces that stand for the
 /// other half.
 fn is_cut(model: &Model, name: &str) -> bool {
-    let place = |n: &u32| model.mesh.nodes[*n as usize].map(f64::to_bits);
+    let at = |n: &u32| model.mesh.nodes[*n as usize];
     let mirrors = model.supports.iter().filter(|s| s.by == HeldBy::Mirror);
-    let other_half: std::collections::HashSet<_> = mirrors
-        .flat_map(|support| &support.nodes)
-        .map(place)
+    let places: Vec<Vec<[f64; 3]>> = mirrors.map(|s| s.nodes.iter().map(at).collect()).collect();
+    let bounds: Vec<Aabb> = places
+        .iter()
+        .map(|at| Aabb::of(at).fattened(SAME_PLACE))
         .collect();
     let contact = &model.contact;
     let mut facets = contact.slave_facets.iter().zip(&contact.slave_law);
     facets.any(|(nodes, law)| {
-        let here = contact.law_names[usize::from(*law)] == name;
-        here && nodes.iter().all(|n| other_half.contains(&place(n)))
+        let facet = nodes.each_ref().map(at);
+        let within = |mirror: &Aabb| facet.iter().all(|x| mirror.touches(&Aabb::of([x])));
+        contact.law_names[usize::from(*law)] == name && bounds.iter().any(within)
     })
 }
+
+/// Distance within which nodes lie on a face [mm].
+const SAME_PLACE: f64 = 1e-3;
 
 /// Names, each once, as a text.
 fn named<'a>(names: impl Iterator<Item = &'a String>) -> String {

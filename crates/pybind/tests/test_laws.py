@@ -98,7 +98,9 @@ def test_a_couplet_runs_with_a_law_of_ones_own() -> None:
 
 def test_own_laws_refuse_joints_of_which_they_would_not_know_all() -> None:
     """A plane of symmetry halves the gap of a joint, and a scatter its bond; neither reaches a law of one's own."""
-    joint = dict(zeta=4, xi=2, G_I=0.02, G_II=0.1, normal_stiffness=400, shear_stiffness=160)
+    joint = wythe.build.joint(
+        0.5, 0.6, 0.7, 0.6, zeta=4, xi=2, G_I=0.02, G_II=0.1, normal_stiffness=400, shear_stiffness=160
+    )
     half = wythe.build.wall(
         unit=[200, 100, 100],
         length=400,
@@ -107,7 +109,7 @@ def test_own_laws_refuse_joints_of_which_they_would_not_know_all() -> None:
         head_joint=0,
         bond="stack",
         brick=wythe.build.elastic("10 GPa", 0.0),
-        joint=wythe.build.joint(0.5, 0.6, 0.7, 0.6, **joint),
+        joint=joint,
         clamped=False,
         symmetry=[wythe.build.symmetry("x", 200, "above")],
         supports=[wythe.build.support("wall.bottom", ["z"]), wythe.build.support("wall.front", ["y"])],

@@ -243,7 +243,8 @@ def _sizes(argument: str, value: Sizes | None, example: str) -> str | None:
 
 def _numbers(value: object) -> list[float]:
     """Numbers of a sequence, an array or a single one; none if something else is among them."""
-    items: Any = value.tolist() if hasattr(value, "tolist") else value
+    tolist = getattr(value, "tolist", None)
+    items: Any = tolist() if callable(tolist) else value
     if not isinstance(items, Sequence) or isinstance(items, str):
         items = [items]
     if any(isinstance(item, bool) or not isinstance(item, SupportsFloat) for item in items):
