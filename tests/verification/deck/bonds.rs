@@ -209,6 +209,10 @@ fn walls_that_meet_interlock() {
                 .flat_map(|a| of(second..boxes.len()).map(move |b| [a, b]))
                 .any(|pair| touching(&pair.map(|b| boxes[b])) > 0.0);
             assert!(joined, "course {k} at {at} mm");
+            // Where the second wall passes through, its unit reaches beyond the first one: a half unit would end there.
+            for b in of(second..boxes.len()).filter(|b| boxes[*b][0][1] < 1.0) {
+                assert!(boxes[b][1][1] > 1.5 * 102.5, "course {k} at {at} mm");
+            }
         }
     }
 }
