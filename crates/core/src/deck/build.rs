@@ -24,7 +24,7 @@ use super::ties;
 use crate::error::{ErrorKind, Errors, ModelError, Warning};
 use crate::material::MaterialParameters;
 use crate::model::probes::Probe;
-use crate::model::scene::{ContactSurfaces, Model, NamedMaterial, Spring, Support};
+use crate::model::scene::{Model, NamedMaterial, Spring, Support};
 use crate::model::sections::Section;
 
 impl Model {
@@ -140,8 +140,9 @@ impl Parts {
         contact.points = deck.contact.points;
         contact.search_radius = deck.contact.search_radius.map(Quantity::get);
         errors.keep(scatter::scatter(deck, contact));
-        require_few_points(deck, contact)?;
-        contact.divide(deck.contact.parts, &bodies.mesh.nodes);
+        let division = contact.division(deck.contact.parts, &bodies.mesh.nodes);
+        require_few_points(deck, division.points())?;
+        contact.divide(&division);
         Ok(Self {
             supports,
             of_deck,
@@ -188,11 +189,7 @@ fn nothing_to_load(deck: &Deck) -> ModelError {
 }
 
 /// Rejects more points of contact than [`amount::MOST_POINTS`].
-fn require_few_points(deck: &Deck, contact: &ContactSurfaces) -> Result<(), ModelError> {
-    let facets = contact.slave_facets.len();
-    let mut parts = deck.contact.parts.map(f64::from);
-    parts.sort_by(f64::total_cmp);
-    let points = 4.0 * facets as f64 * parts[1] * parts[2];
+fn require_few_points(deck: &Deck, points: f64) -> Result<(), ModelError> {
     if points <= amount::MOST_POINTS {
         return Ok(());
     }

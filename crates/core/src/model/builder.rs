@@ -352,7 +352,8 @@ impl ModelBuilder {
     pub fn build(mut self) -> Result<Model, BuildError> {
         check(&self.model)?;
         let Model { mesh, contact, .. } = &mut self.model;
-        contact.divide([1; 3], &mesh.nodes);
+        let division = contact.division([1; 3], &mesh.nodes);
+        contact.divide(&division);
         Ok(self.model)
     }
 }

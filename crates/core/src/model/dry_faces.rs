@@ -25,36 +25,50 @@ const MOST_ENDS: usize = 8;
 
 /// Where faces end at a facet along one of its directions.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Ends {
+struct Ends {
     /// Whether a face ends at an end of the facet.
-    pub(super) outer: bool,
+    outer: bool,
     /// Parameters between the ends of the facet at which opposite faces end, ascending.
-    pub(super) within: Vec<f64>,
+    within: Vec<f64>,
 }
 
 /// A part of a facet along one of its directions: middle, half of its length, and its points.
 type Piece = (f64, f64, PointsAlong);
 
 impl Ends {
-    /// Pieces of a direction that is divided into `count` parts. Where faces end, parts are halved and have Lobatto points.
-    pub(super) fn pieces(&self, count: u32) -> Vec<Piece> {
-        let ends_here = self.outer || !self.within.is_empty();
-        let mut bounds = vec![-1.0];
-        bounds.extend(&self.within);
-        bounds.push(1.0);
+    /// Stretches between ends, and the number of equal parts of each, of a direction that is divided into `count` parts.
+    /// Where faces end, parts are halved.
+    fn stretches(&self, count: u32) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let halves = if self.has_any() { 2.0 } else { 1.0 };
+        let from = std::iter::once(-1.0).chain(self.within.iter().copied());
+        let to = self.within.iter().copied().chain(std::iter::once(1.0));
+        from.zip(to).map(move |(from, to)| {
+            let cells = (0.5 * (to - from) * f64::from(count)).round().max(1.0);
+            ([from, to], halves * cells)
+        })
+    }
+
+    fn has_any(&self) -> bool {
+        self.outer || !self.within.is_empty()
+    }
+
+    /// Number of [pieces](Self::pieces).
+    fn number(&self, count: u32) -> f64 {
+        self.stretches(count).map(|(_, parts)| parts).sum()
+    }
+
+    /// Pieces of a direction that is divided into `count` parts. Where faces end, they have Lobatto points.
+    fn pieces(&self, count: u32) -> Vec<Piece> {
         let mut pieces = Vec::new();
-        for ends in bounds.windows(2) {
-            let long = ends[1] - ends[0];
-            let cells = (0.5 * long * f64::from(count)).round().max(1.0) as u32;
-            let parts = if ends_here { 2 * cells } else { cells };
-            let half = 0.5 * long / f64::from(parts);
-            pieces.extend((0..parts).map(|k| {
-                let points = match (ends_here, k % 2) {
+        for ([from, to], parts) in self.stretches(count) {
+            let half = 0.5 * (to - from) / parts;
+            pieces.extend((0..parts as u32).map(|k| {
+                let points = match (self.has_any(), k % 2) {
                     (false, _) => PointsAlong::Gauss,
                     (true, 0) => PointsAlong::FirstHalf,
                     (true, _) => PointsAlong::SecondHalf,
                 };
-                (f64::from(2 * k + 1) * half + ends[0], half, points)
+                (f64::from(2 * k + 1) * half + from, half, points)
             }));
         }
         pieces
@@ -70,27 +84,55 @@ impl Ends {
     }
 }
 
-/// Parts of a facet, row by row, and the points of each along its two directions.
-pub(super) fn parts(ends: &[Ends; 2], counts: [u32; 2]) -> Vec<(Part, [PointsAlong; 2])> {
-    let [along_xi, along_eta] = [0, 1].map(|d| ends[d].pieces(counts[d]));
-    let part = |xi: &Piece, eta: &Piece| {
-        let part = Part {
-            middle: [xi.0, eta.0],
-            half: [xi.1, eta.1],
+/// Parts into which slave facets are divided. `[facet]`
+pub(crate) struct Division(Vec<([Ends; 2], [u32; 2])>);
+
+impl Division {
+    /// Division of facets into these numbers of parts along their two directions, and where faces end at the `dry` ones,
+    /// for nodes at `x` [mm].
+    pub(super) fn new(
+        contact: &ContactSurfaces,
+        counts: impl Iterator<Item = [u32; 2]>,
+        dry: &[usize],
+        x: &[[f64; 3]],
+    ) -> Self {
+        let mut ends = ends(contact, dry, x);
+        let of = |(f, counts): (usize, [u32; 2])| (ends.remove(&f).unwrap_or_default(), counts);
+        Self(counts.enumerate().map(of).collect())
+    }
+
+    /// Number of contact points.
+    pub(crate) fn points(&self) -> f64 {
+        let all = self.0.iter();
+        all.map(|([xi, eta], [m, n])| 4.0 * xi.number(*m) * eta.number(*n))
+            .sum()
+    }
+
+    /// Whether every facet is one part.
+    pub(super) fn is_whole(&self) -> bool {
+        let mut all = self.0.iter();
+        all.all(|([xi, eta], [m, n])| xi.number(*m) * eta.number(*n) == 1.0)
+    }
+
+    /// Parts of a facet, row by row, and the points of each along its two directions.
+    pub(super) fn parts(&self, facet: usize) -> Vec<(Part, [PointsAlong; 2])> {
+        let ([xi, eta], [m, n]) = &self.0[facet];
+        let [along_xi, along_eta] = [xi.pieces(*m), eta.pieces(*n)];
+        let part = |xi: &Piece, eta: &Piece| {
+            let part = Part {
+                middle: [xi.0, eta.0],
+                half: [xi.1, eta.1],
+            };
+            (part, [xi.2, eta.2])
         };
-        (part, [xi.2, eta.2])
-    };
-    let rows = along_eta.iter();
-    rows.flat_map(|eta| along_xi.iter().map(move |xi| part(xi, eta)))
-        .collect()
+        let rows = along_eta.iter();
+        rows.flat_map(|eta| along_xi.iter().map(move |xi| part(xi, eta)))
+            .collect()
+    }
 }
 
 /// Ends of faces at these dry slave facets, for nodes at `x` [mm].
-pub(super) fn ends(
-    contact: &ContactSurfaces,
-    dry: &[usize],
-    x: &[[f64; 3]],
-) -> BTreeMap<usize, [Ends; 2]> {
+fn ends(contact: &ContactSurfaces, dry: &[usize], x: &[[f64; 3]]) -> BTreeMap<usize, [Ends; 2]> {
     if dry.is_empty() {
         return BTreeMap::new();
     }
@@ -285,6 +327,9 @@ mod tests {
             (0.625, 0.375, second),
         ];
         assert_eq!(pieces, all);
+        let division = Division(vec![([ends.clone(), Ends::default()], [1, 3])]);
+        assert_eq!((division.points(), division.parts(0).len()), (48.0, 12));
+        assert!(!division.is_whole());
         ends.add(1.01);
         assert!(ends.outer);
     }

@@ -1,6 +1,6 @@
 //! Contact surfaces: facets, their sampled parts and their laws.
 
-use super::dry_faces;
+use super::dry_faces::Division;
 use super::general::GeneralContact;
 use crate::element::hexahedron::norm;
 use crate::material::ElasticParameters;
@@ -154,35 +154,44 @@ impl ContactSurfaces {
         law.is_some_and(JointLaw::is_dry)
     }
 
-    /// Divides every slave facet into parts, for nodes at `x` [mm]. `counts` are the numbers of parts along x, y and
-    /// z; each of the two directions of a facet takes the number of the axis that it follows. Dry facets are divided
+    /// How every slave facet is divided into parts, for nodes at `x` [mm]. `counts` are the numbers of parts along x, y
+    /// and z; each of the two directions of a facet takes the number of the axis that it follows. Dry facets are divided
     /// where faces opposite to them end, too, and have points at the ends of faces.
-    pub(crate) fn divide(&mut self, counts: [u32; 3], x: &[[f64; 3]]) {
-        let dry: Vec<usize> = match self.points {
-            ContactPoints::Auto => (0..self.slave_facets.len())
-                .filter(|f| self.is_dry(*f))
-                .collect(),
-            ContactPoints::Gauss | ContactPoints::Corner => Vec::new(),
-        };
-        if counts == [1; 3] && dry.is_empty() {
+    pub(crate) fn division(&self, counts: [u32; 3], x: &[[f64; 3]]) -> Division {
+        let all = self.slave_facets.iter();
+        let along = all.map(|facet| directions(&facet.map(|n| x[n as usize])));
+        let counts = along.map(|axes| axes.map(|axis| counts[axis]));
+        Division::new(self, counts, &self.sampled_at_ends(), x)
+    }
+
+    /// Divides every slave facet.
+    pub(crate) fn divide(&mut self, division: &Division) {
+        let at_ends = !self.sampled_at_ends().is_empty();
+        if !at_ends && division.is_whole() {
             return;
         }
-        let ends = dry_faces::ends(self, &dry, x);
         let facets = std::mem::take(&mut self.slave_facets);
         let bodies = std::mem::take(&mut self.slave_body);
         let laws = std::mem::take(&mut self.slave_law);
         let all = facets.into_iter().zip(bodies).zip(laws).enumerate();
         for (f, ((facet, body), law)) in all {
-            let axes = directions(&facet.map(|n| x[n as usize]));
-            let none = Default::default();
-            let ends_here = ends.get(&f).unwrap_or(&none);
-            for (part, points) in dry_faces::parts(ends_here, axes.map(|axis| counts[axis])) {
+            for (part, points) in division.parts(f) {
                 self.add_slave(facet, body, law);
                 self.slave_part.push(part);
-                if !dry.is_empty() {
+                if at_ends {
                     self.slave_points.push(points);
                 }
             }
+        }
+    }
+
+    /// Slave facets that have points at the ends of faces: dry ones, if the deck does not say where points are.
+    fn sampled_at_ends(&self) -> Vec<usize> {
+        match self.points {
+            ContactPoints::Auto => (0..self.slave_facets.len())
+                .filter(|f| self.is_dry(*f))
+                .collect(),
+            ContactPoints::Gauss | ContactPoints::Corner => Vec::new(),
         }
     }
 
