@@ -90,56 +90,46 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
-    /// Choice to which a step returns. Dry joints that slid at many points go on to do so: secant tangents are not tried
-    /// again.
+    /// Choice to which a step returns: 0, or that after secant tangents where these were given up.
     first: usize,
     /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
 }
 
+const fn with(method: Method, tangent: Tangent) -> MethodChoice {
+    MethodChoice { method, tangent }
+}
+
 /// Methods of a step in the order in which they are tried; `all_has_mass` if inertia can act.
 fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> {
     let softens = model.materials.iter().any(|m| m.parameters.yields());
-    let own = |method| MethodChoice {
-        method,
-        tangent: step.tangent,
-    };
-    let mut choices = vec![own(Method::of(step.procedure))];
-    if step.procedure == Procedure::Auto && slides(model, step) {
-        choices.push(MethodChoice {
-            method: Method::Static,
-            tangent: Tangent::Direct,
-        });
-        choices.extend(after_statics(Tangent::Direct, softens, all_has_mass));
-    } else if step.procedure == Procedure::Auto {
-        choices.extend(after_statics(step.tangent, softens, all_has_mass));
+    let dry = moves_dry_stones(model, step);
+    let tangent = if dry { Tangent::Direct } else { step.tangent };
+    let first = with(Method::of(step.procedure), step.tangent);
+    let mut choices = vec![first];
+    if dry {
+        choices.push(with(first.method, tangent));
     }
-    if step.procedure == Procedure::DisplacementControl {
-        let next = match (slides(model, step), step.tangent) {
-            (true, _) => Some(Tangent::Direct),
-            (false, Tangent::Secant) => softens.then_some(Tangent::Consistent),
-            _ => None,
-        };
-        choices.extend(next.map(|tangent| MethodChoice {
-            method: Method::DisplacementControl,
-            tangent,
-        }));
-        choices.extend(
-            all_has_mass.then_some(MethodChoice {
-                method: Method::QuasiStatic,
-                tangent: next
-                    .filter(|t| *t == Tangent::Direct)
-                    .unwrap_or(step.tangent),
-            }),
-        );
+    match step.procedure {
+        Procedure::Auto => {
+            choices.extend(after_statics(tangent, softens));
+            choices.extend(inertia(tangent, all_has_mass));
+            choices.push(with(Method::Static, tangent));
+        }
+        Procedure::DisplacementControl => {
+            if softens && tangent == Tangent::Secant {
+                choices.push(with(first.method, Tangent::Consistent));
+            }
+            choices.extend(inertia(tangent, all_has_mass));
+        }
+        _ => {}
     }
     choices
 }
 
-/// Methods of `auto` after statics with these tangents.
-fn after_statics(tangent: Tangent, softens: bool, all_has_mass: bool) -> Vec<MethodChoice> {
-    let with = |method, tangent| MethodChoice { method, tangent };
+/// Methods of `auto` between statics with these tangents and inertia.
+fn after_statics(tangent: Tangent, softens: bool) -> Vec<MethodChoice> {
     let path = with(Method::Dissipation, tangent);
     let mut choices = Vec::new();
     if softens {
@@ -159,20 +149,21 @@ fn after_statics(tangent: Tangent, softens: bool, all_has_mass: bool) -> Vec<Met
     if !softens {
         choices.push(path);
     }
-    if all_has_mass {
-        choices.push(with(Method::QuasiStatic, tangent));
-        if tangent == Tangent::Direct {
-            // Bodies that fly have no stiffness but that of secant tangents.
-            choices.push(with(Method::QuasiStatic, Tangent::Secant));
-        }
-    }
-    choices.push(with(Method::Static, tangent));
     choices
 }
 
-/// Whether all joints are dry, so that stones slide at many points at once: in trouble direct tangents are better then
+/// Inertia with these tangents, if all bodies have mass. Bodies that fly have no stiffness but that of secant tangents.
+fn inertia(tangent: Tangent, all_has_mass: bool) -> impl Iterator<Item = MethodChoice> {
+    let secant = (tangent == Tangent::Direct).then_some(Tangent::Secant);
+    let tangents = std::iter::once(tangent).chain(secant);
+    tangents
+        .filter(move |_| all_has_mass)
+        .map(|tangent| with(Method::QuasiStatic, tangent))
+}
+
+/// Whether all joints are dry and stones may slide at many points at once: in trouble direct tangents are better then
 /// than all other methods with secant ones.
-fn slides(model: &Model, step: &Step) -> bool {
+fn moves_dry_stones(model: &Model, step: &Step) -> bool {
     let contact = &model.contact;
     let dry = !contact.laws.is_empty() && contact.laws.iter().all(JointLaw::is_dry);
     let procedure = step.procedure;
@@ -364,7 +355,8 @@ impl Fallback {
         self.calm = 0;
     }
 
-    /// Whether secant tangents are given up for the rest of the step: direct ones follow.
+    /// Whether a trouble now ends secant tangents for the rest of the step: direct ones follow, because dry joints that
+    /// slide at many points go on to do so.
     fn gives_up_secants(&self) -> bool {
         let next = self.choices.get(self.at + 1);
         self.at == 0 && self.statics > 1 && next.is_some_and(|c| c.tangent == Tangent::Direct)
@@ -411,5 +403,59 @@ impl Fallback {
         }
         (self.at, self.calm) = (self.first, 0);
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deck::Deck;
+    use crate::linear::LinearError;
+
+    /// A block on the ground, pushed sideways, with this interface.
+    fn block(interface: &str) -> Model {
+        let text = format!(
+            "format = 1\nmaterials.stone = {{ E = \"5 GPa\", nu = 0.2, density = \"2000 kg/m^3\" }}\n\
+             [interfaces.joint]\n{interface}\n[[blocks]]\nname = \"ground\"\nsize = [400, 400, 100]\nmaterial = \
+             \"stone\"\n[[blocks]]\nname = \"block\"\nsize = [400, 400, 100]\nat = [0, 0, 100]\nmaterial = \
+             \"stone\"\n[[contacts]]\nslave = \"block.bottom\"\nmaster = \"ground.top\"\ninterface = \"joint\"\n\
+             [[supports]]\non = \"ground\"\n[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"load\"\n\
+             [[steps.loads]]\nname = \"F\"\non = \"block\"\nforce = [100, 0, 0]\n"
+        );
+        let deck = Deck::from_str(&text, "block.toml").unwrap();
+        Model::from_deck(&deck).unwrap().0
+    }
+
+    const DRY: &str = "f_t = 0\nc = 0\ntan_phi = 0.5\nmu = 0.5";
+    const BONDED: &str =
+        "f_t = 0.2\nc = 0.3\ntan_phi = 0.5\nmu = 0.5\nzeta = 4\nxi = 1\nG_I = 0.01\nG_II = 0.02";
+
+    /// Choices that a step takes after a first body that comes loose, and after the trouble has passed.
+    fn after_trouble(model: &Model, step: usize) -> [MethodChoice; 2] {
+        let mut fallback = Fallback::new(model, &model.steps[step], true);
+        assert_eq!(fallback.choice(), with(Method::Static, Tangent::Secant));
+        let loose = Rejection::Linear {
+            why: LinearError::TooLarge,
+            dof: Some((0, 0)),
+        };
+        fallback.take_next(&loose, 0.5);
+        let next = fallback.choice();
+        fallback.take_next(&loose, 0.5);
+        assert_eq!(fallback.method(), Method::QuasiStatic);
+        for _ in 0..PATIENCE {
+            fallback.take_first_again(Report::default(), false, 0.1, 0.6);
+        }
+        [next, fallback.choice()]
+    }
+
+    #[test]
+    fn dry_joints_give_up_secant_tangents_for_good() {
+        let direct = with(Method::Static, Tangent::Direct);
+        assert_eq!(after_trouble(&block(DRY), 1), [direct; 2]);
+        // Not under a weight that grows from nothing, and not where joints have a bond.
+        let inertia = with(Method::QuasiStatic, Tangent::Secant);
+        let statics = with(Method::Static, Tangent::Secant);
+        assert_eq!(after_trouble(&block(DRY), 0), [inertia, statics]);
+        assert_eq!(after_trouble(&block(BONDED), 1), [inertia, statics]);
     }
 }
