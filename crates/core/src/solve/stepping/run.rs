@@ -216,19 +216,21 @@ impl<'m> Run<'m> {
                     self.cut_back(&mut step_run);
                     true
                 }
-                Outcome::Converged(report) => match self.jump(&step_run, request) {
-                    None if self.jumps_over(&mut step_run, request) => {
+                Outcome::Converged(report) => {
+                    let rejection = self.jump(&step_run, request);
+                    let crosses = rejection.is_none() && self.jumps_over(&mut step_run, request);
+                    if rejection.is_some() || crosses {
                         step_run.attempts.solves += report.iterations;
                         self.cut_back(&mut step_run);
-                        self.cross_snap(&mut step_run, request, recorder)?
                     }
-                    None => self.accept(&mut step_run, request, report, recorder)?,
-                    Some(rejection) => {
-                        step_run.attempts.solves += report.iterations;
-                        self.cut_back(&mut step_run);
-                        self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
+                    match rejection {
+                        Some(rejection) => {
+                            self.relax_or_reject(&mut step_run, request, &rejection, recorder)?
+                        }
+                        None if crosses => self.cross_snap(&mut step_run, request, recorder)?,
+                        None => self.accept(&mut step_run, request, report, recorder)?,
                     }
-                },
+                }
                 Outcome::Rejected(rejection, spent) => {
                     step_run.attempts.solves += spent;
                     self.cut_back(&mut step_run);

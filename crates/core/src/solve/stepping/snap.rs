@@ -100,7 +100,7 @@ impl<'m> Run<'m> {
 
     /// Whether the increment that ends at the trial jumps over a snap whose path could not be followed, so that a
     /// relaxation should cross it instead. The straight line of the jump would count all the energy that it releases as
-    /// dissipation of the joints.
+    /// dissipation of the joints. Counts a relaxation that is passed over.
     pub(super) fn jumps_over(&self, step_run: &mut StepRun<'m>, request: IncrementRequest) -> bool {
         request.method == Method::Static
             && step_run.step.procedure == Procedure::Auto
