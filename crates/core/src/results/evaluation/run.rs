@@ -204,28 +204,17 @@ impl TestRun {
             TestKind::CoupletTension => "the fracture energy lacks the rest",
             _ => "the residual strength is not reached",
         };
-        let (last, lost) = self.end();
+        let curve = self.curve();
+        let last = curve.points().last().map_or(0.0, |point| point.1);
         let left = match self.test.kind {
             TestKind::CoupletTension => last,
-            _ => lost,
+            _ => -curve.rises_over(LAST),
         };
         if left > UNBROKEN * peak {
             notes.push(format!(
                 "{name}: the force still falls at the end, at {last:.3} kN: {missing}; drive it further"
             ));
         }
-    }
-
-    /// Force at the end, and what it lost over the last tenth of the way [kN].
-    fn end(&self) -> (f64, f64) {
-        let curve = self.curve();
-        let points = curve.points();
-        let Some(&(way, last)) = points.last() else {
-            return (0.0, 0.0);
-        };
-        let from = way - LAST * (way - curve.start().0);
-        let before = points.iter().rfind(|point| point.0 <= from);
-        (last, before.map_or(0.0, |before| before.1 - last))
     }
 
     fn remark_on_verdict(&self, notes: &mut Vec<String>) {
