@@ -117,7 +117,11 @@ fn every_bond_fills_the_wall() {
 /// Head joints of an English bond are offset by a quarter of a pitch from those below.
 #[test]
 fn headers_lap_by_a_quarter() {
-    for (bond, length) in [("english", 1115.0), ("flemish", 1227.5)] {
+    for (bond, length) in [
+        ("english", 1115.0),
+        ("english-cross", 1340.0),
+        ("flemish", 1227.5),
+    ] {
         let deck = deck(&format!(
             "[wall]\n{BRICK}length = {length}\ncourses = 6\nbond = \"{bond}\""
         ));
@@ -215,6 +219,22 @@ fn walls_that_meet_interlock() {
             }
         }
     }
+}
+
+/// A wall that begins with a later course of its bond has header courses up to its top.
+#[test]
+fn bonds_that_begin_later_reach_the_top() {
+    let wall = format!("{BRICK}courses = 7\nleaves = 2\nheader_courses = 6\n");
+    let deck = deck(&format!(
+        "[wall]\nclamped = false\n{wall}length = 1115\n[[walls]]\nname = \"return\"\nalong = \"y\"\n{wall}length = \
+         1115\n[[supports]]\non = [\"wall.bottom\", \"return.bottom\"]"
+    ));
+    let (model, warnings) = Model::from_deck(&deck).unwrap();
+    let notes = wythe::deck::check(&deck, &model).notes;
+    let later = |note: &String| note.contains("begins with course");
+    assert!(notes.iter().any(later), "{notes:?}");
+    let joints = |warning: &wythe::error::Warning| warning.to_string().contains("hardly a bond");
+    assert!(!warnings.iter().any(joints), "{warnings:?}");
 }
 
 /// Two walls that meet at the end of the first one, the second turned by this angle: their outer faces meet in a line.

@@ -1,6 +1,7 @@
 //! Bonds with units through the wall: header, English, Flemish, and stretchers with courses of headers.
 
 use super::course::{CourseRow, Sizes, Slot, filled, leaves, slots, stack};
+use super::interlock::MOST_COURSES;
 use super::layout::Refusal;
 use crate::deck::schema::{Bond, Wall};
 
@@ -12,8 +13,8 @@ pub(super) fn with_headers(
 ) -> Result<Vec<Vec<CourseRow>>, Refusal> {
     let every = wall.header_courses.map_or(0, |n| n as usize);
     let period = patterns.len().saturating_mul(every.max(1));
-    // Courses above the wall are not needed.
-    let period = period.min((wall.courses as usize).max(1));
+    // Courses above the wall are not needed, but where the bond begins with a later one.
+    let period = period.min(wall.courses as usize + MOST_COURSES);
     let course = |k: usize| {
         if every > 0 && k % every + 1 == every {
             require_two_halves(sizes, "header_courses")?;

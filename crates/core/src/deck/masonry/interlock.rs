@@ -52,8 +52,8 @@ pub(in crate::deck) fn least_lap(wall: &Wall) -> f64 {
     unit.get() / 8.0
 }
 
-/// Courses that show the whole bond.
-const MOST_COURSES: usize = 24;
+/// Courses that show the whole bond; it begins with one of them.
+pub(super) const MOST_COURSES: usize = 24;
 
 fn lap(sizes: &Sizes, pattern: &[Vec<CourseRow>], cuts: &[Cut], first: usize) -> f64 {
     let mut lap = f64::INFINITY;
