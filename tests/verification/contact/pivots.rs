@@ -58,6 +58,29 @@ fn a_dry_wall_tips_over_its_edge() {
     }
 }
 
+/// A block that stands in the middle of a single facet of the table turns over its own edge, on whichever side the contact
+/// points are.
+#[test]
+fn a_block_tips_over_its_edge_within_a_facet() {
+    for (slave, master) in [("table.top", "block.bottom"), ("block.bottom", "table.top")] {
+        let contact =
+            format!("[[contacts]]\nslave = \"{slave}\"\nmaster = \"{master}\"\ninterface");
+        let text = STONE.replace("[[contacts]]\ninterface", &contact);
+        let scene = "[[blocks]]\nname = \"block\"\nsize = [150, 200, 300]\nat = [130, 0, 0]\nmaterial = \"stone\"\n\
+                     [[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"tilt\"\naxis = \"y\"\nangle = \"40 deg\"\n";
+        let (_, model) = deck_and_model(&format!("{text}{scene}"));
+        let (_, summary) = run(&model);
+        assert_eq!(summary.status, Status::Collapsed, "{}", summary.message);
+        let factor = summary.fall.unwrap().load_factor;
+        let exact = 0.5_f64.atan().to_degrees() / 40.0;
+        // As above; the block is lighter on its joint.
+        assert!(
+            (factor / exact - 1.0).abs() < 8e-3,
+            "{slave}: {factor} {exact}"
+        );
+    }
+}
+
 /// A joint softer than its blocks carries k u A, also where it is pressed deeper than the search radius of 3 mm.
 #[test]
 fn a_joint_that_is_pressed_deep_keeps_its_points() {

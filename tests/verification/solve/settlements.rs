@@ -252,3 +252,30 @@ fn bad_settlements_are_errors() {
     ];
     refuses(&good, bad);
 }
+
+/// Ground that tilts below a wall of rigid units turns it as a body: the ground does the work of half its weight. Units
+/// that the slope stretched had three quarters of that.
+#[test]
+fn ground_that_tilts_turns_rigid_units() {
+    let text = format!(
+        "{HEAD}\n[interfaces.joint]\nf_t = 5\nc = 7.5\ntan_phi = 0.7\nmu = 0.7\nzeta = 4.38\nxi = 1.1\nG_I = 1\nG_II = \
+         5\nnormal_stiffness = 200\nshear_stiffness = 80\n[wall]\nunit = [400, 200, 200]\nbed_joint = 0\nhead_joint \
+         = 0\nlength = 2000\ncourses = 6\nunit_material = \"stone\"\ninterface = \"joint\"\nrigid = true\nclamped = \
+         false\n[[settlements]]\nname = \"ground\"\non = \"wall.bottom\"\ntilt = {{ from = 0, to = 2000 }}\n\
+         [[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"drive\"\nsettlement = \"ground\"\ndisplacement = 10\n"
+    );
+    let (_, model) = deck_and_model(&text);
+    let recording = scene::completed(&model);
+    let force = recording.rows.last().expect("a row").force_kN;
+    let weight: f64 = {
+        let mesh = &model.mesh;
+        let density = model.materials[0].parameters.elastic().density;
+        let volumes = (0..mesh.elements.len()).map(|e| mesh.volume(e));
+        1e-3 * 9810.0 * density * volumes.sum::<f64>()
+    };
+    // The slope of 0.5 % adds terms of second order.
+    assert!(
+        (force / (-0.5 * weight) - 1.0).abs() < 0.01,
+        "{force} {weight}"
+    );
+}

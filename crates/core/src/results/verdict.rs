@@ -330,6 +330,27 @@ mod tests {
     }
 
     #[test]
+    fn each_side_of_a_drive_to_and_fro_has_its_own_peak() {
+        // A joint that has softened under tension is pressed, and pulled further than before.
+        let points = [
+            (0.0, 0.0),
+            (0.004, 10.0),
+            (0.05, 3.0),
+            (-0.005, -13.0),
+            (-0.01, -27.0),
+            (0.05, 3.0),
+            (0.09, 1.0),
+        ];
+        let (kind, text) = completed(&points);
+        assert_eq!(kind, VerdictKind::StillRising);
+        let parts = [
+            "-27.000 kN at -0.0100 mm; peak of 10.000 kN at 0.0040 mm",
+            "passed",
+        ];
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+    }
+
+    #[test]
     fn failed_and_interrupted_runs_have_a_largest_force() {
         let mut lost = fake::summary(Status::NotConverged);
         lost.lost = Some(crate::state::Lost {

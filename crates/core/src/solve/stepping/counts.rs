@@ -134,3 +134,21 @@ impl Carried {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_far_above_the_peak_is_an_artefact() {
+        let carried = |most: f64, peak: f64| Carried {
+            peak,
+            most,
+            ..Carried::default()
+        };
+        assert!(carried(301.0, 3.0).runs_away());
+        assert!(!carried(299.0, 3.0).runs_away());
+        // Nothing was in equilibrium before.
+        assert!(!carried(299.0, 0.0).runs_away());
+    }
+}
