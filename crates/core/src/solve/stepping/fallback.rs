@@ -13,7 +13,10 @@
 //!            largest increments)
 //! ```
 //!
-//! Where all joints are dry, all methods after the first have direct tangents, and secant ones are not tried again.
+//! Where all joints are dry, stones may slide at many points at once, for which secant tangents can take ten times as many
+//! solves as direct ones, or a tenth as many. After [`BUDGET`] solves of a step all its methods have direct tangents,
+//! after twice as many more secant ones again, and so on: a step takes a few times what the better ones take.
+//!
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
 //! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly, and
 //! inertia, under which the displacement is prescribed as before, where a snap leads to no equilibrium. Every other
@@ -52,6 +55,10 @@ pub struct Least {
     pub of_statics: f64,
 }
 
+/// Solves of a step of dry joints after which its tangents are exchanged; doubled each time. None of the dry walls of the
+/// examples takes as many.
+const BUDGET: usize = 1500;
+
 /// Answer to a rejection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
@@ -76,6 +83,11 @@ pub struct MethodChoice {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fallback {
     choices: Vec<MethodChoice>,
+    /// Choices with the other tangents, if these may be exchanged; else empty.
+    others: Vec<MethodChoice>,
+    /// Solves since the tangents were exchanged, and those after which they are exchanged again.
+    spent: usize,
+    budget: usize,
     at: usize,
     /// Increment size below which statics is given up.
     floor: f64,
@@ -90,8 +102,6 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
-    /// Choice to which a step returns: 0, or that after secant tangents where these were given up.
-    first: usize,
     /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
@@ -101,16 +111,11 @@ const fn with(method: Method, tangent: Tangent) -> MethodChoice {
     MethodChoice { method, tangent }
 }
 
-/// Methods of a step in the order in which they are tried; `all_has_mass` if inertia can act.
-fn choices(model: &Model, step: &Step, all_has_mass: bool) -> Vec<MethodChoice> {
+/// Methods of a step with these tangents, in the order in which they are tried; `all_has_mass` if inertia can act.
+fn choices(model: &Model, step: &Step, tangent: Tangent, all_has_mass: bool) -> Vec<MethodChoice> {
     let softens = model.materials.iter().any(|m| m.parameters.yields());
-    let dry = moves_dry_stones(model, step);
-    let tangent = if dry { Tangent::Direct } else { step.tangent };
-    let first = with(Method::of(step.procedure), step.tangent);
+    let first = with(Method::of(step.procedure), tangent);
     let mut choices = vec![first];
-    if dry {
-        choices.push(with(first.method, tangent));
-    }
     match step.procedure {
         Procedure::Auto => {
             choices.extend(after_statics(tangent, softens));
@@ -161,29 +166,39 @@ fn inertia(tangent: Tangent, all_has_mass: bool) -> impl Iterator<Item = MethodC
         .map(|tangent| with(Method::QuasiStatic, tangent))
 }
 
-/// Whether all joints are dry and stones may slide at many points at once: in trouble direct tangents are better then
-/// than all other methods with secant ones.
-fn moves_dry_stones(model: &Model, step: &Step) -> bool {
+/// Whether the tangents of a step may be exchanged: all joints are dry, and it drives or loads. Under a weight that grows
+/// from nothing, stones that nothing presses yet have no stiffness without secant tangents.
+fn may_exchange(model: &Model, step: &Step) -> bool {
     let contact = &model.contact;
     let dry = !contact.laws.is_empty() && contact.laws.iter().all(JointLaw::is_dry);
     let procedure = step.procedure;
-    let changes = matches!(procedure, Procedure::Auto | Procedure::DisplacementControl);
-    // Under a weight that grows from nothing, stones that nothing presses yet have no stiffness without secant tangents.
+    let seeks = matches!(procedure, Procedure::Auto | Procedure::DisplacementControl);
     let moves = step.drives() || step.control.is_some() || step.only_loads();
-    let may_change = changes && moves && step.tangent == Tangent::Secant;
-    dry && may_change && contact.general.is_none()
+    dry && seeks && moves && step.tangent == Tangent::Secant && contact.general.is_none()
+}
+
+/// Number of leading choices of the first method.
+fn statics(choices: &[MethodChoice]) -> usize {
+    let first = choices.iter().take_while(|c| c.method == choices[0].method);
+    first.count().max(1)
 }
 
 impl Fallback {
     /// Fallback of a step; `all_has_mass` if inertia can act.
     pub fn new(model: &Model, step: &Step, all_has_mass: bool) -> Self {
-        let choices = choices(model, step, all_has_mass);
-        let first = choices[0].method;
-        let statics = choices.iter().take_while(|choice| choice.method == first);
+        let choices = |tangent| choices(model, step, tangent, all_has_mass);
+        let (own, others) = (choices(step.tangent), choices(Tangent::Direct));
         Self {
-            statics: statics.count().max(1),
+            statics: statics(&own),
             stalls: 0,
-            choices,
+            choices: own,
+            others: if may_exchange(model, step) {
+                others
+            } else {
+                Vec::new()
+            },
+            spent: 0,
+            budget: BUDGET,
             at: 0,
             floor: FLOOR * step.increments.initial,
             calm: 0,
@@ -193,17 +208,23 @@ impl Fallback {
             lost: 0,
             passed_over: 0,
             snaps: false,
-            first: 0,
         }
     }
 
     /// The list of procedures of a resumed step, at the procedure where the checkpoint was written. None if the
     /// procedures of the step are others.
     pub fn of_step(self, model: &Model, step: &Step, all_has_mass: bool) -> Option<Self> {
-        let Self { choices, floor, .. } = Self::new(model, step, all_has_mass);
-        let fits = self.choices == choices
-            && self.at < choices.len()
-            && (1..=choices.len()).contains(&self.statics);
+        let Self {
+            choices,
+            others,
+            floor,
+            ..
+        } = Self::new(model, step, all_has_mass);
+        let same = self.choices == choices && self.others == others;
+        let exchanged = self.choices == others && self.others == choices;
+        let fits = (same || exchanged)
+            && self.at < self.choices.len()
+            && self.statics == statics(&self.choices);
         fits.then_some(Self { floor, ..self })
     }
 
@@ -216,9 +237,9 @@ impl Fallback {
     /// Returns from a path to the first method, where the loads reverse: the path does not lead back. True if the
     /// method changed.
     pub fn turn(&mut self) -> bool {
-        let leaves = self.at > self.first && self.method().follows_path();
+        let leaves = self.at > 0 && self.method().follows_path();
         if leaves {
-            (self.at, self.calm) = (self.first, 0);
+            (self.at, self.calm) = (0, 0);
         }
         leaves
     }
@@ -301,19 +322,16 @@ impl Fallback {
     /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn take_next(&mut self, rejection: &Rejection, load: f64) {
         self.stalls = 0;
-        if self.gives_up_secants() {
-            self.first = self.at + 1;
-        }
         if self.at < self.statics {
             self.left_at = load;
             self.snaps = *rejection == Rejection::Snap;
         }
         let wanted = match rejection {
-            Rejection::Linear { dof: Some(_), .. } if !self.gives_up_secants() => self.inertia(),
+            Rejection::Linear { dof: Some(_), .. } => self.inertia(),
             // If secant tangents failed before, take the path with consistent ones.
             Rejection::Snap => self
                 .place(Method::Dissipation)
-                .map(|path| path + usize::from(self.at > self.first)),
+                .map(|path| path + usize::from(self.at > 0)),
             _ => None,
         };
         if self.method() == Method::Dissipation {
@@ -355,11 +373,28 @@ impl Fallback {
         self.calm = 0;
     }
 
-    /// Whether a trouble now ends secant tangents for the rest of the step: direct ones follow, because dry joints that
-    /// slide at many points go on to do so.
-    fn gives_up_secants(&self) -> bool {
-        let next = self.choices.get(self.at + 1);
-        self.at == 0 && self.statics > 1 && next.is_some_and(|c| c.tangent == Tangent::Direct)
+    /// Counts the solves of an increment.
+    pub fn spend(&mut self, solves: usize) {
+        self.spent += solves;
+    }
+
+    /// Exchanges the tangents, if they may be and have had their solves; true if it does.
+    pub fn exchange(&mut self) -> bool {
+        let moving = self.method() == Method::QuasiStatic;
+        let may = self.at < self.statics || moving;
+        if self.others.is_empty() || self.spent < self.budget || !may {
+            return false;
+        }
+        std::mem::swap(&mut self.choices, &mut self.others);
+        self.statics = statics(&self.choices);
+        self.at = if moving {
+            self.inertia().unwrap_or(0)
+        } else {
+            0
+        };
+        (self.spent, self.stalls, self.calm) = (0, 0, 0);
+        self.budget *= 2;
+        true
     }
 
     /// Index of the choice with inertia.
@@ -378,7 +413,7 @@ impl Fallback {
     /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
     pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
-        if self.at == self.first {
+        if self.at == 0 {
             return false;
         }
         let (passed, needed) = match self.method() {
@@ -401,7 +436,7 @@ impl Fallback {
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }
-        (self.at, self.calm) = (self.first, 0);
+        (self.at, self.calm) = (0, 0);
         true
     }
 }
@@ -410,7 +445,6 @@ impl Fallback {
 mod tests {
     use super::*;
     use crate::deck::Deck;
-    use crate::linear::LinearError;
 
     /// A block on the ground, pushed sideways, with this interface.
     fn block(interface: &str) -> Model {
@@ -430,32 +464,40 @@ mod tests {
     const BONDED: &str =
         "f_t = 0.2\nc = 0.3\ntan_phi = 0.5\nmu = 0.5\nzeta = 4\nxi = 1\nG_I = 0.01\nG_II = 0.02";
 
-    /// Choices that a step takes after a first body that comes loose, and after the trouble has passed.
-    fn after_trouble(model: &Model, step: usize) -> [MethodChoice; 2] {
-        let mut fallback = Fallback::new(model, &model.steps[step], true);
-        assert_eq!(fallback.choice(), with(Method::Static, Tangent::Secant));
-        let loose = Rejection::Linear {
-            why: LinearError::TooLarge,
-            dof: Some((0, 0)),
-        };
-        fallback.take_next(&loose, 0.5);
-        let next = fallback.choice();
-        fallback.take_next(&loose, 0.5);
-        assert_eq!(fallback.method(), Method::QuasiStatic);
-        for _ in 0..PATIENCE {
-            fallback.take_first_again(Report::default(), false, 0.1, 0.6);
-        }
-        [next, fallback.choice()]
+    #[test]
+    fn dry_joints_exchange_tangents_by_doubling_budgets() {
+        let model = block(DRY);
+        let mut fallback = Fallback::new(&model, &model.steps[1], true);
+        let of = |tangent| with(Method::Static, tangent);
+        assert_eq!(fallback.choice(), of(Tangent::Secant));
+        fallback.spend(BUDGET - 1);
+        assert!(!fallback.exchange());
+        fallback.spend(1);
+        assert!(fallback.exchange());
+        assert_eq!(fallback.choice(), of(Tangent::Direct));
+        // A resumed step goes on as it was.
+        let resumed = fallback.clone().of_step(&model, &model.steps[1], true);
+        assert_eq!(resumed.map(|f| f.choice()), Some(of(Tangent::Direct)));
+        fallback.spend(BUDGET);
+        assert!(!fallback.exchange());
+        // Bodies that move go on to do so.
+        fallback.start_moving();
+        fallback.spend(BUDGET);
+        assert!(fallback.exchange());
+        assert_eq!(
+            fallback.choice(),
+            with(Method::QuasiStatic, Tangent::Secant)
+        );
     }
 
     #[test]
-    fn dry_joints_give_up_secant_tangents_for_good() {
-        let direct = with(Method::Static, Tangent::Direct);
-        assert_eq!(after_trouble(&block(DRY), 1), [direct; 2]);
-        // Not under a weight that grows from nothing, and not where joints have a bond.
-        let inertia = with(Method::QuasiStatic, Tangent::Secant);
-        let statics = with(Method::Static, Tangent::Secant);
-        assert_eq!(after_trouble(&block(DRY), 0), [inertia, statics]);
-        assert_eq!(after_trouble(&block(BONDED), 1), [inertia, statics]);
+    fn other_steps_keep_their_tangents() {
+        // A weight that grows from nothing, and joints with a bond.
+        let (dry, bonded) = (block(DRY), block(BONDED));
+        for (model, step) in [(&dry, 0), (&bonded, 1)] {
+            let mut fallback = Fallback::new(model, &model.steps[step], true);
+            fallback.spend(100 * BUDGET);
+            assert!(!fallback.exchange());
+        }
     }
 }

@@ -336,7 +336,7 @@ impl<'m> Run<'m> {
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        step_run.begin_attempts(request.method);
+        step_run.begin_attempts(request.method, solves);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
         step_run.hold_or_go_on(moves || hastens);
@@ -428,6 +428,11 @@ impl<'m> Run<'m> {
         let load = step_run.sense() * step_run.load;
         let fallback = &mut step_run.fallback;
         if !fallback.take_first_again(report, moves, forth, load) {
+            if fallback.exchange() {
+                self.adopt(step_run);
+                let why = "many solves, so that tangents are exchanged";
+                self.note(step_run, why, recorder);
+            }
             return;
         }
         if request.method.has_inertia() {

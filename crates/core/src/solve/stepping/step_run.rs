@@ -303,8 +303,9 @@ impl<'m> StepRun<'m> {
     }
 
     /// Begins the attempts at the next increment after one by `method`.
-    pub(in crate::solve) fn begin_attempts(&mut self, method: Method) {
+    pub(in crate::solve) fn begin_attempts(&mut self, method: Method, solves: usize) {
         self.attempts = Attempts::default();
+        self.fallback.spend(solves);
         self.snap.relaxations.end_increment(method);
         self.snap.relaxes_below = f64::INFINITY;
         (self.repeat, self.path.end_rejected) = (true, false);
