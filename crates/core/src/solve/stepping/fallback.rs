@@ -15,7 +15,8 @@
 //!
 //! Where all joints are dry, stones may slide at many points at once, for which secant tangents can take ten times as many
 //! solves as direct ones, or a tenth as many. After [`BUDGET`] solves of a step all its methods have direct tangents,
-//! after twice as many more secant ones again, and so on: a step takes a few times what the better ones take.
+//! after twice as many more secant ones again, and so on: a step takes a few times what the better ones take. Bodies
+//! that loads let fall keep their tangents.
 //!
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
 //! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly, and
@@ -46,6 +47,10 @@ const EASY: usize = 2;
 /// Increments in which the load must rise before a path is left for statics; doubled each time.
 const RISING: usize = 2;
 
+/// Solves of a step of dry joints after which its tangents are exchanged; doubled each time. Walls in good order take
+/// fewer.
+const BUDGET: usize = 1500;
+
 /// Sizes down to which static increments are cut, as parts of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Least {
@@ -54,10 +59,6 @@ pub struct Least {
     /// In any other trouble: before another method is tried.
     pub of_statics: f64,
 }
-
-/// Solves of a step of dry joints after which its tangents are exchanged; doubled each time. None of the dry walls of the
-/// examples takes as many.
-const BUDGET: usize = 1500;
 
 /// Answer to a rejection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +89,9 @@ pub struct Fallback {
     /// Solves since the tangents were exchanged, and those after which they are exchanged again.
     spent: usize,
     budget: usize,
+    /// Whether tangents are also exchanged while bodies move: where a displacement is driven. Bodies that loads let fall
+    /// keep theirs.
+    in_motion: bool,
     at: usize,
     /// Increment size below which statics is given up.
     floor: f64,
@@ -199,6 +203,7 @@ impl Fallback {
             },
             spent: 0,
             budget: BUDGET,
+            in_motion: !step.only_loads(),
             at: 0,
             floor: FLOOR * step.increments.initial,
             calm: 0,
@@ -381,7 +386,7 @@ impl Fallback {
     /// Exchanges the tangents, if they may be and have had their solves; true if it does.
     pub fn exchange(&mut self) -> bool {
         let moving = self.method() == Method::QuasiStatic;
-        let may = self.at < self.statics || moving;
+        let may = self.at < self.statics || (moving && self.in_motion);
         if self.others.is_empty() || self.spent < self.budget || !may {
             return false;
         }
@@ -480,9 +485,11 @@ mod tests {
         assert_eq!(resumed.map(|f| f.choice()), Some(of(Tangent::Direct)));
         fallback.spend(BUDGET);
         assert!(!fallback.exchange());
-        // Bodies that move go on to do so.
+        // Bodies that fall keep their tangents; those that a drive moves exchange them and go on with inertia.
         fallback.start_moving();
         fallback.spend(BUDGET);
+        assert!(!fallback.exchange());
+        fallback.in_motion = true;
         assert!(fallback.exchange());
         assert_eq!(
             fallback.choice(),
