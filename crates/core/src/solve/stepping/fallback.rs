@@ -13,10 +13,8 @@
 //!            largest increments)
 //! ```
 //!
-//! Where all joints are dry, stones may slide at many points at once, for which secant tangents can take ten times as many
-//! solves as direct ones, or a tenth as many. After [`BUDGET`] solves of a step all its methods have direct tangents,
-//! after twice as many more secant ones again, and so on: a step takes a few times what the better ones take. Bodies
-//! that loads let fall keep their tangents.
+//! Where all joints are dry, all methods have direct tangents instead of secant ones while these advance further
+//! ([`Exchange`]).
 //!
 //! It returns to static when the trouble has passed. A matrix that a free body makes singular leads to inertia at
 //! once. `displacement_control` has consistent tangents to fall back on where secant ones converge too slowly, and
@@ -26,6 +24,7 @@
 use serde::{Deserialize, Serialize};
 use wythe_contact::JointLaw;
 
+use super::exchange::Exchange;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step, Tangent};
 use crate::solve::increment::newton::IMBALANCE;
@@ -46,10 +45,6 @@ const STALLS: usize = 2;
 const EASY: usize = 2;
 /// Increments in which the load must rise before a path is left for statics; doubled each time.
 const RISING: usize = 2;
-
-/// Solves of a step of dry joints after which its tangents are exchanged; doubled each time. Walls in good order take
-/// fewer.
-const BUDGET: usize = 1500;
 
 /// Sizes down to which static increments are cut, as parts of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,12 +81,7 @@ pub struct Fallback {
     choices: Vec<MethodChoice>,
     /// Choices with the other tangents, if these may be exchanged; else empty.
     others: Vec<MethodChoice>,
-    /// Solves since the tangents were exchanged, and those after which they are exchanged again.
-    spent: usize,
-    budget: usize,
-    /// Whether tangents are also exchanged while bodies move: where a displacement is driven. Bodies that loads let fall
-    /// keep theirs.
-    in_motion: bool,
+    exchange: Exchange,
     at: usize,
     /// Increment size below which statics is given up.
     floor: f64,
@@ -201,9 +191,7 @@ impl Fallback {
             } else {
                 Vec::new()
             },
-            spent: 0,
-            budget: BUDGET,
-            in_motion: !step.only_loads(),
+            exchange: Exchange::default(),
             at: 0,
             floor: FLOOR * step.increments.initial,
             calm: 0,
@@ -378,16 +366,16 @@ impl Fallback {
         self.calm = 0;
     }
 
-    /// Counts the solves of an increment.
-    pub fn spend(&mut self, solves: usize) {
-        self.spent += solves;
+    /// Counts an increment of so many solves that advances by this part of the step.
+    pub fn count(&mut self, solves: usize, advance: f64) {
+        self.exchange.count(solves, advance);
     }
 
-    /// Exchanges the tangents, if they may be and have had their solves; true if it does.
+    /// Exchanges the tangents if they may be and others seem to advance further; true if it does.
     pub fn exchange(&mut self) -> bool {
         let moving = self.method() == Method::QuasiStatic;
-        let may = self.at < self.statics || (moving && self.in_motion);
-        if self.others.is_empty() || self.spent < self.budget || !may {
+        let may = self.at < self.statics || moving;
+        if self.others.is_empty() || !may || !self.exchange.is_due() {
             return false;
         }
         std::mem::swap(&mut self.choices, &mut self.others);
@@ -397,8 +385,7 @@ impl Fallback {
         } else {
             0
         };
-        (self.spent, self.stalls, self.calm) = (0, 0, 0);
-        self.budget *= 2;
+        (self.stalls, self.calm) = (0, 0);
         true
     }
 
@@ -469,32 +456,30 @@ mod tests {
     const BONDED: &str =
         "f_t = 0.2\nc = 0.3\ntan_phi = 0.5\nmu = 0.5\nzeta = 4\nxi = 1\nG_I = 0.01\nG_II = 0.02";
 
+    /// Counts increments of many solves and little advance, more than any budget.
+    fn labour(fallback: &mut Fallback) -> bool {
+        (0..100).any(|_| {
+            fallback.count(100, 1e-6);
+            fallback.exchange()
+        })
+    }
+
     #[test]
-    fn dry_joints_exchange_tangents_by_doubling_budgets() {
+    fn dry_joints_exchange_tangents() {
         let model = block(DRY);
         let mut fallback = Fallback::new(&model, &model.steps[1], true);
         let of = |tangent| with(Method::Static, tangent);
         assert_eq!(fallback.choice(), of(Tangent::Secant));
-        fallback.spend(BUDGET - 1);
-        assert!(!fallback.exchange());
-        fallback.spend(1);
-        assert!(fallback.exchange());
+        assert!(labour(&mut fallback));
         assert_eq!(fallback.choice(), of(Tangent::Direct));
         // A resumed step goes on as it was.
         let resumed = fallback.clone().of_step(&model, &model.steps[1], true);
         assert_eq!(resumed.map(|f| f.choice()), Some(of(Tangent::Direct)));
-        fallback.spend(BUDGET);
-        assert!(!fallback.exchange());
-        // Bodies that fall keep their tangents; those that a drive moves exchange them and go on with inertia.
+        // Bodies that move go on to do so.
         fallback.start_moving();
-        fallback.spend(BUDGET);
-        assert!(!fallback.exchange());
-        fallback.in_motion = true;
-        assert!(fallback.exchange());
-        assert_eq!(
-            fallback.choice(),
-            with(Method::QuasiStatic, Tangent::Secant)
-        );
+        assert!(labour(&mut fallback));
+        let moves = with(Method::QuasiStatic, Tangent::Secant);
+        assert_eq!(fallback.choice(), moves);
     }
 
     #[test]
@@ -503,8 +488,7 @@ mod tests {
         let (dry, bonded) = (block(DRY), block(BONDED));
         for (model, step) in [(&dry, 0), (&bonded, 1)] {
             let mut fallback = Fallback::new(model, &model.steps[step], true);
-            fallback.spend(100 * BUDGET);
-            assert!(!fallback.exchange());
+            assert!(!labour(&mut fallback));
         }
     }
 }

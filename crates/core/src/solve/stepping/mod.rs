@@ -4,6 +4,7 @@ pub(in crate::solve) mod acceptance;
 pub(in crate::solve) mod commit;
 pub(in crate::solve) mod counts;
 pub(in crate::solve) mod energy_watch;
+pub(in crate::solve) mod exchange;
 pub(in crate::solve) mod explain;
 pub(in crate::solve) mod fallback;
 pub(in crate::solve) mod fields;

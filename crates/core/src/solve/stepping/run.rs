@@ -336,7 +336,7 @@ impl<'m> Run<'m> {
         let keep = self.record(&row, recorder, end)?;
         self.summary.increments += 1;
         self.summary.iterations += solves;
-        step_run.begin_attempts(request.method, solves);
+        step_run.begin_attempts(request, solves, added);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
         step_run.hold_or_go_on(moves || hastens);
@@ -430,7 +430,7 @@ impl<'m> Run<'m> {
         if !fallback.take_first_again(report, moves, forth, load) {
             if fallback.exchange() {
                 self.adopt(step_run);
-                let why = "many solves, so that tangents are exchanged";
+                let why = "increments take many solves: tangents are exchanged";
                 self.note(step_run, why, recorder);
             }
             return;

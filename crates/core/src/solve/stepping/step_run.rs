@@ -110,6 +110,15 @@ pub(in crate::solve) struct IncrementRequest {
 }
 
 impl IncrementRequest {
+    /// How far an increment that adds `added` to the load factor advances, as a part of the step.
+    fn progress(&self, added: f64) -> f64 {
+        match self.method {
+            Method::Relaxation => 0.0,
+            method if method.follows_path() => added.abs(),
+            _ => self.increment.size,
+        }
+    }
+
     /// Advance of the increment. A displacement that steers the load advances by `part` of its way in the step.
     pub(in crate::solve) fn advance<'a>(
         &self,
@@ -302,15 +311,21 @@ impl<'m> StepRun<'m> {
         }
     }
 
-    /// Begins the attempts at the next increment after one by `method`.
-    pub(in crate::solve) fn begin_attempts(&mut self, method: Method, solves: usize) {
+    /// Begins the attempts at the next increment after one of so many solves that added `added` to the load factor.
+    pub(in crate::solve) fn begin_attempts(
+        &mut self,
+        request: IncrementRequest,
+        solves: usize,
+        added: f64,
+    ) {
         self.attempts = Attempts::default();
-        self.fallback.spend(solves);
-        self.snap.relaxations.end_increment(method);
+        self.fallback.count(solves, request.progress(added));
+        self.snap.relaxations.end_increment(request.method);
         self.snap.relaxes_below = f64::INFINITY;
         (self.repeat, self.path.end_rejected) = (true, false);
         let done = self.schedule.done();
-        if method == Method::Static || self.snap.beyond.is_some_and(|beyond| beyond <= done) {
+        if request.method == Method::Static || self.snap.beyond.is_some_and(|beyond| beyond <= done)
+        {
             self.snap.beyond = None;
         }
     }
