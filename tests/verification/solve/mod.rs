@@ -5,6 +5,7 @@ mod determinism;
 mod dynamics;
 mod energies;
 mod fidelity;
+mod light_bodies;
 mod loads;
 mod oscillators;
 mod paths;

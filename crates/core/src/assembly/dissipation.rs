@@ -14,6 +14,20 @@ impl System {
         of_cells.sum::<f64>() + self.ties.work_turned_over(&trial.ties.segments, &way)
     }
 
+    /// Forces of the solids on their nodes [N]. In equilibrium they are opposite to those of joints, loads, springs and
+    /// supports there. `[node]`
+    pub fn forces_on_solids(&self, trial: &Trial) -> Vec<[f64; 3]> {
+        let mut forces = vec![[0.0; 3]; self.bulk.reference.len()];
+        for (nodes, force) in self.bulk.elements.iter().zip(&trial.cells.force) {
+            for (&n, f) in nodes.iter().zip(force) {
+                for i in 0..3 {
+                    forces[n as usize][i] += f[i];
+                }
+            }
+        }
+        forces
+    }
+
     /// Gradient c with c·Δq = dissipation of the elements and facets in the increment that `trial` ends [N].
     /// `[slot]`
     ///

@@ -489,6 +489,27 @@ impl LinearSolver {
         }
     }
 
+    /// Solves A x = b in place with the last factors, which may be those of a near matrix, and does not refine the
+    /// solution.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFactorised`], or [`LinearError::Length`].
+    pub fn estimate(&mut self, rhs: &mut [f64]) -> Result<(), LinearError> {
+        if !self.factorised {
+            return Err(LinearError::NotFactorised);
+        }
+        if rhs.len() != self.n() {
+            let (expected, got) = (self.n(), rhs.len());
+            let what = "right-hand side";
+            return Err(LinearError::Length {
+                what,
+                expected,
+                got,
+            });
+        }
+        self.substitute(rhs, 1)
+    }
+
     /// Solves for `x`, of which `self.rhs` is a copy, and refines the solution.
     fn refine(&mut self, x: &mut [f64], columns: usize) -> Result<SolveReport, LinearError> {
         self.substitute(x, columns)?;

@@ -1,5 +1,6 @@
 //! Convergence criteria of an iterate (docs/theory/equilibrium.md, eqs 14 to 18).
 
+use super::body_balance::Bodies;
 use super::external_forces::Loads;
 use super::newton::Newton;
 use crate::assembly::{System, Trial};
@@ -26,6 +27,14 @@ const LEAST_SCALE: f64 = 0.01;
 
 /// Forces below this many roundings count as zero. Without it a scene without load has no scale for its residual.
 pub(in crate::solve) const ROUNDINGS: f64 = 1e3;
+
+/// Scales of the out-of-balance forces of a step.
+pub(in crate::solve) struct Scales {
+    /// Smallest force by which they are scaled [N], see [`least_scale`].
+    pub(in crate::solve) least: f64,
+    /// Bodies, each of which balances by itself.
+    pub(in crate::solve) bodies: Bodies,
+}
 
 /// Measures of the out-of-balance forces.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +74,7 @@ impl Newton<'_> {
             .max(LEAST_SCALE * state.largest_mean_force)
             .max(self.loading.loads.mean)
             .max(moving.map_or(0.0, |m| m.mean_force(&system.mass)))
-            .max(self.least_scale)
+            .max(self.scales.least)
             .max(f64::MIN_POSITIVE)
     }
 

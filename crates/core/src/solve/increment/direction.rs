@@ -2,14 +2,18 @@
 
 use super::convergence::largest;
 use super::newton::{Newton, timed};
-use super::outcome::Rejection;
+use super::outcome::{Problem, Rejection};
 use crate::assembly::{System, Trial};
 use crate::linear::{Backend, LinearError, LinearSolver};
 use crate::model::scene::{Fidelity, Tangent};
+use crate::solve::stepping::path::Advance;
 
 /// Growth of the mean nodal force since the last factorisation beyond which that factorisation does not prove
 /// stability.
 const GROWTH: f64 = 1.02;
+
+/// Largest displacement by which out-of-balance forces still move a scene over the largest of the scene.
+const NEAR: f64 = 5e-3;
 
 /// Factors at hand, of a matrix of this increment.
 #[derive(Clone, Copy, Debug)]
@@ -137,6 +141,38 @@ impl Newton<'_> {
         })?;
         factors.served |= served;
         Ok(served)
+    }
+
+    /// Whether the displacements by which the out-of-balance forces still move the scene are small beside its own
+    /// (docs/theory/equilibrium.md, eq. 18c). The forces of slender bodies do not show it: a column bends long before
+    /// the forces across it are large beside its weight.
+    pub(in crate::solve) fn is_near(&mut self, at: &mut Problem<'_>) -> Result<bool, Rejection> {
+        let relaxes = self.dashpots.as_ref().is_some_and(|d| d.factor > 0.0);
+        let prescribed = self.step.drives() || at.attempt.advance != Advance::Load;
+        if self.motion.is_some() || relaxes || prescribed {
+            return Ok(true);
+        }
+        if self.matrix.factors.is_none() {
+            // A start that is accepted without a solve.
+            self.fill(at.system, at.trial)?;
+            let factorised = self.factorise(at.trial);
+            factorised.map_err(|why| self.rejection(at.system, why))?;
+            at.solves.one_more();
+        }
+        let Some(linear) = &mut self.matrix.solver else {
+            return Ok(true);
+        };
+        let rigid = &at.system.rigid;
+        let mut by = if rigid.is_empty() {
+            self.vectors.residual.clone()
+        } else {
+            rigid.gathered(&at.system.dofs, &self.equations, &self.vectors.residual)
+        };
+        let estimated = timed(&mut self.clock.solve, || linear.estimate(&mut by));
+        estimated.map_err(|why| self.rejection(at.system, why))?;
+        let slots = self.equations.slot_of.iter();
+        let moved = slots.map(|&slot| self.q[slot as usize].abs());
+        Ok(largest(&by).0 <= NEAR * moved.fold(0.0, f64::max))
     }
 
     /// Proves that the matrix at the end of an increment is positive definite. Only a factorisation detects loss of

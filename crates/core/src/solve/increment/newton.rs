@@ -8,8 +8,11 @@
 //! With secant stiffness the solids are treated alike: each iterate is linear about the last update of viscous strain
 //! and damage, and the out-of-balance force is that of the law.
 
+use super::body_balance::{Bodies, RESULTANT};
 pub use super::convergence::IMBALANCE;
-use super::convergence::{Balance, NEGLIGIBLE, WORK, largest, least_scale, root_mean_square};
+use super::convergence::{
+    Balance, NEGLIGIBLE, Scales, WORK, largest, least_scale, root_mean_square,
+};
 use super::energy_balance::pursuit;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
@@ -44,8 +47,7 @@ pub struct Newton<'m> {
     /// Internal forces that the first tangent predicts at the end of the increment, if the increment started from
     /// that tangent [N]. `[slot]`
     pub(in crate::solve) linear_forces: Option<Vec<f64>>,
-    /// Smallest force by which residuals are scaled [N], see [`least_scale`].
-    pub(in crate::solve) least_scale: f64,
+    pub(in crate::solve) scales: Scales,
     /// State of the time integration, if inertia acts.
     pub(in crate::solve) motion: Option<Motion>,
     /// Dashpots of a relaxation, if one is in progress.
@@ -71,7 +73,10 @@ impl<'m> Newton<'m> {
         Self {
             model,
             step,
-            least_scale: least_scale(step, system, &loads),
+            scales: Scales {
+                least: least_scale(step, system, &loads),
+                bodies: Bodies::new(model, system),
+            },
             choice: MethodChoice {
                 method: Method::Static,
                 tangent: step.tangent,
@@ -315,16 +320,19 @@ impl<'m> Newton<'m> {
             let farther = balance.root_mean_square > before;
             misled |= farther && iteration > 1 && setting.solids == Solids::Softened;
             before = balance.root_mean_square;
-            let (balanced, work) = self.is_balanced(at, &balance, scale);
+            let (mut balanced, work) = self.is_balanced(at, &balance, scale);
             // The tractions of the last iterate were just taken over, so the residual contains the nodal forces of
             // their change. The predictor has taken over no tractions yet.
             let settled = (iteration > 0 && at.trial.is_settled()) || !setting.shifted;
             let ends = settled && balanced && on_path;
             let all_pursued = pursued == pursuit(self.choice.method);
             if ends && (all_pursued || self.closes(at.system, at.state, at.trial)) {
-                return self.converged(at, balance.largest);
+                if self.is_near(at)? {
+                    return self.converged(at, balance.largest);
+                }
+                balanced = false;
             }
-            pursued += usize::from(ends);
+            pursued += usize::from(ends && !all_pursued);
             if self.is_hopeless(iteration, &balance) || iteration >= iterations.end + pursued {
                 return Err(self.not_converged(at.system, &balance, work));
             }
@@ -355,7 +363,7 @@ impl<'m> Newton<'m> {
         let most = self.step.tolerance.residual;
         let balanced = balance.holds(part, most);
         // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
-        let loaded = scale > self.least_scale;
+        let loaded = scale > self.scales.least;
         if !(balanced && loaded && at.attempt.advance == Advance::Load) {
             return (balanced, 0.0);
         }
@@ -365,7 +373,15 @@ impl<'m> Newton<'m> {
         let [lost, turned] = self.works(at.system, at.state, at.trial, &way);
         let work = lost.abs() / turned.max(f64::MIN_POSITIVE);
         let holds = work <= part * WORK || balance.holds(part * NEGLIGIBLE, most);
-        (holds, work)
+        (holds && self.bodies_balance(at, part, scale), work)
+    }
+
+    /// Whether the out-of-balance forces of each body are below `part` of their tolerance.
+    fn bodies_balance(&self, at: &Problem<'_>, part: f64, scale: f64) -> bool {
+        let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
+        let loads = &self.loading.loads.total;
+        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, scale);
+        worst <= part * RESULTANT
     }
 
     /// Report on an increment in balance whose matrix is positive definite.

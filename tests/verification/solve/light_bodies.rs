@@ -1,0 +1,62 @@
+//! Bodies and displacements that are small beside the largest forces of a scene.
+
+use crate::common::blocks::deck_and_model;
+use crate::common::scene;
+use wythe::state::Status;
+
+/// A stone of 16 kg is pushed beside a pier under 2,000 kN. It slides when the push exceeds μ times its weight, whatever
+/// stands beside it.
+#[test]
+fn a_light_stone_slides_beside_a_loaded_pier() {
+    let text = "format = 1\n[materials.stone]\nE = \"20 GPa\"\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n\
+                [interfaces.dry]\nf_t = 0\nc = 0\ntan_phi = 0.5\nmu = 0.5\nnormal_stiffness = 100\n\
+                shear_stiffness = 40\n[[blocks]]\nname = \"ground\"\nsize = [3000, 1000, 100]\n\
+                at = [-350, -350, -100]\nmaterial = \"stone\"\nmesh = [3, 1, 1]\n[[supports]]\n\
+                on = \"ground.bottom\"\n[[blocks]]\nname = \"pier\"\nsize = [500, 400, 1000]\n\
+                material = \"stone\"\nmesh = [2, 2, 4]\n[[blocks]]\nname = \"small\"\n\
+                size = [200, 200, 200]\nat = [1000, 0, 0]\nmaterial = \"stone\"\n[[contacts]]\n\
+                interface = \"dry\"\n[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"load\"\n\
+                [[steps.loads]]\nname = \"N\"\non = \"pier.top\"\nforce = [0, 0, -2e6]\n[[steps]]\n\
+                kind = \"load\"\n[[steps.loads]]\nname = \"H\"\non = \"small.left\"\n\
+                force = [100, 0, 0]\n";
+    let (_, model) = deck_and_model(text);
+    let (recording, summary) = scene::run(&model);
+    assert_eq!(summary.status, Status::Collapsed, "{}", summary.message);
+    let force = 100.0 * recording.rows.last().expect("a row").load_factor;
+    let friction = 0.5 * 0.2 * 0.2 * 0.2 * 2000.0 * 9.81;
+    // The resultant on the stone is found to 1 % of the forces on it, twice its friction; it moves while the load grows.
+    assert!(
+        (force / friction - 1.0).abs() < 0.08,
+        "{force} N for {friction} N"
+    );
+}
+
+/// A strip under six tenths of its critical load N and N/10,000 across it, which grow together, bends 2.5 times as far
+/// as without N: u = u₁/(1 − N/N_cr).
+#[test]
+fn a_pressed_strip_bends_more_than_in_first_order() {
+    let (e, height, thickness, width) = (5000.0_f64, 3000.0_f64, 100.0_f64, 800.0_f64);
+    let second_moment = width * thickness.powi(3) / 12.0;
+    let critical = std::f64::consts::PI.powi(2) * e * second_moment / (4.0 * height * height);
+    let (pressure, across) = (0.6 * critical, 0.6e-4 * critical);
+    // Spread over the height, the force across bends by F h³/(8 E I).
+    let first = across * height.powi(3) / (8.0 * e * second_moment);
+    let text = format!(
+        "format = 1\nfidelity = \"full\"\n[materials.elastic]\nE = {e}\nnu = 0.0\n[[blocks]]\nname = \"w\"\n\
+         size = [{width}, {thickness}, {height}]\nmaterial = \"elastic\"\nmesh = [1, 2, 30]\n[[supports]]\n\
+         on = \"w.bottom\"\n[[probes]]\nname = \"top\"\non = \"w.top\"\ndirection = \"y\"\n[[steps]]\n\
+         kind = \"load\"\n[[steps.loads]]\nname = \"N\"\non = \"w.top\"\nforce = [0, 0, {}]\n\
+         [[steps.loads]]\nname = \"H\"\non = \"w.front\"\npressure = {}\nfollower = false\n",
+        -pressure,
+        across / (width * height)
+    );
+    let (_, model) = deck_and_model(&text);
+    let recording = scene::completed(&model);
+    let found = recording.rows.last().expect("a row").probes[0];
+    let exact = first / (1.0 - 0.6);
+    // What is left of the displacement is at most half a hundredth of the largest over 1 − 0.6, here 4 %.
+    assert!(
+        (found / exact - 1.0).abs() < 0.05,
+        "{found} mm for {exact} mm"
+    );
+}
