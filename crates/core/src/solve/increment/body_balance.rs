@@ -12,8 +12,9 @@ use crate::model::surfaces::ContactSurfaces;
 /// Largest resultant of the out-of-balance forces on a body over the forces that act on it.
 pub(in crate::solve) const RESULTANT: f64 = 1e-2;
 
-/// Least scale of the resultant on a node of a body, as a part of the scale of the scene.
-const LEAST: f64 = 1e-6;
+/// Least scale of the resultant on a node of a body, as a part of the scale of the scene: at rest, and for bodies that
+/// inertia carries, on which nothing else may act.
+pub(in crate::solve) const LEAST: [f64; 2] = [1e-6, 1e-4];
 
 /// Mark of nodes and slots of no body.
 const NONE: u32 = u32::MAX;
@@ -60,13 +61,13 @@ impl Bodies {
     }
 
     /// Largest resultant of the out-of-balance forces on a body over the forces that act on it. `residual`: [N]
-    /// `[equation]`; `slot_of`: slot of each equation; `loads`: [N] `[slot]`; `scale`: mean nodal force [N].
+    /// `[equation]`; `slot_of`: slot of each equation; `loads`: [N] `[slot]`; `least`: smallest scale of a node [N].
     pub(in crate::solve) fn worst(
         &self,
         (system, trial): (&System, &Trial),
         (residual, slot_of): (&[f64], &[u32]),
         loads: &[f64],
-        scale: f64,
+        least: f64,
     ) -> f64 {
         let mut resultant = vec![[0.0; 3]; self.nodes.len()];
         for (r, &slot) in residual.iter().zip(slot_of) {
@@ -76,7 +77,7 @@ impl Bodies {
             }
         }
         let mut acting: Vec<f64> = (self.nodes.iter())
-            .map(|&nodes| LEAST * scale * f64::from(nodes))
+            .map(|&nodes| least * f64::from(nodes))
             .collect();
         for (&(body, _), load) in self.of_slot.iter().zip(loads) {
             if body != NONE {

@@ -8,7 +8,7 @@
 //! With secant stiffness the solids are treated alike: each iterate is linear about the last update of viscous strain
 //! and damage, and the out-of-balance force is that of the law.
 
-use super::body_balance::{Bodies, RESULTANT};
+use super::body_balance::{Bodies, LEAST, RESULTANT};
 pub use super::convergence::IMBALANCE;
 use super::convergence::{
     Balance, NEGLIGIBLE, Scales, WORK, largest, least_scale, root_mean_square,
@@ -376,11 +376,16 @@ impl<'m> Newton<'m> {
         (holds && self.bodies_balance(at, part, scale), work)
     }
 
-    /// Whether the out-of-balance forces of each body are below `part` of their tolerance.
+    /// Whether the out-of-balance forces of each body are below `part` of their tolerance. Bodies that `dynamic` lets fly
+    /// may have none but those of their inertia.
     fn bodies_balance(&self, at: &Problem<'_>, part: f64, scale: f64) -> bool {
+        if self.choice.method == Method::Dynamic {
+            return true;
+        }
+        let least = LEAST[usize::from(self.motion.is_some())] * scale;
         let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
         let loads = &self.loading.loads.total;
-        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, scale);
+        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, least);
         worst <= part * RESULTANT
     }
 
