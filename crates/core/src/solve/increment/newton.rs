@@ -383,6 +383,8 @@ impl<'m> Newton<'m> {
             return true;
         }
         let least = LEAST[usize::from(self.motion.is_some())] * scale;
+        // Without load all forces are roundings.
+        let least = least.max(self.scales.least);
         let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
         let loads = &self.loading.loads.total;
         let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, least);
