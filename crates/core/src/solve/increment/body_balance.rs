@@ -12,9 +12,8 @@ use crate::model::surfaces::ContactSurfaces;
 /// Largest resultant of the out-of-balance forces on a body over the forces that act on it.
 pub(in crate::solve) const RESULTANT: f64 = 1e-2;
 
-/// Least scale of the resultant on a node of a body, as a part of the scale of the scene: at rest, and for bodies that
-/// inertia carries, on which nothing else may act.
-pub(in crate::solve) const LEAST: [f64; 2] = [1e-6, 1e-4];
+/// Least scale of the resultant on a node of a body, as a part of the scale of the scene.
+pub(in crate::solve) const LEAST: f64 = 1e-6;
 
 /// Mark of nodes and slots of no body.
 const NONE: u32 = u32::MAX;

@@ -146,10 +146,17 @@ impl Newton<'_> {
     /// Whether the displacements by which the out-of-balance forces still move the scene are small beside its own
     /// (docs/theory/equilibrium.md, eq. 18c). The forces of slender bodies do not show it: a column bends long before
     /// the forces across it are large beside its weight.
-    pub(in crate::solve) fn is_near(&mut self, at: &mut Problem<'_>) -> Result<bool, Rejection> {
+    /// `scale`: see [`Newton::scale`] [N].
+    pub(in crate::solve) fn is_near(
+        &mut self,
+        at: &mut Problem<'_>,
+        scale: f64,
+    ) -> Result<bool, Rejection> {
         let relaxes = self.dashpots.as_ref().is_some_and(|d| d.factor > 0.0);
         let prescribed = self.step.drives() || at.attempt.advance != Advance::Load;
-        if self.motion.is_some() || relaxes || prescribed {
+        // Without load all displacements are roundings.
+        let unloaded = scale <= self.scales.least;
+        if self.motion.is_some() || relaxes || prescribed || unloaded {
             return Ok(true);
         }
         if self.matrix.factors.is_none() {

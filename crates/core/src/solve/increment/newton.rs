@@ -327,7 +327,7 @@ impl<'m> Newton<'m> {
             let ends = settled && balanced && on_path;
             let all_pursued = pursued == pursuit(self.choice.method);
             if ends && (all_pursued || self.closes(at.system, at.state, at.trial)) {
-                if self.is_near(at)? {
+                if self.is_near(at, scale)? {
                     return self.converged(at, balance.largest);
                 }
                 balanced = false;
@@ -382,9 +382,8 @@ impl<'m> Newton<'m> {
         if self.choice.method == Method::Dynamic {
             return true;
         }
-        let least = LEAST[usize::from(self.motion.is_some())] * scale;
         // Without load all forces are roundings.
-        let least = least.max(self.scales.least);
+        let least = (LEAST * scale).max(self.scales.least);
         let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
         let loads = &self.loading.loads.total;
         let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, least);
