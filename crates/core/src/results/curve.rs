@@ -60,7 +60,7 @@ pub struct Peak {
 /// Fraction of the peak force up to which the initial stiffness is measured.
 const INITIAL: f64 = 0.1;
 
-/// Fraction of the peak force below which a lower force at the same displacement counts as a loss.
+/// Fraction of the peak force below which a lower force counts as a loss.
 const LOST: f64 = 0.995;
 
 /// Part of its range by which a drive that turns back moves at least.
@@ -151,14 +151,34 @@ impl Curve {
         self.moving.last().is_some_and(|moving| *moving)
     }
 
+    /// Sense in which the force is counted along the motion: −1 where it acts against the motion throughout and grows,
+    /// as that of ground that sinks under a wall or of a load of the opposite sign; else 1.
+    fn sense(&self) -> f64 {
+        let moved = self.in_equilibrium().filter(|(_, p)| p.0 != self.start.0);
+        let (mut low, mut high, mut side) = (f64::INFINITY, f64::NEG_INFINITY, 1.0);
+        for (_, &(displacement, force)) in moved {
+            side = (displacement - self.start.0).signum();
+            low = low.min(side * force);
+            high = high.max(side * force);
+        }
+        let start = side * self.start.1;
+        if high < 0.0 && start - low > high - start {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+
     /// The peak: the largest s F with s = sign(d − d₀), so that a wall driven towards −x has a peak as well. It is
     /// the earliest of equal ones, and `None` if nothing moved or no increment is in equilibrium. Increments in which
-    /// `auto` follows the inertial motion between two equilibria do not count.
+    /// `auto` follows the inertial motion between two equilibria do not count. Where the force acts against the motion
+    /// throughout and grows, it is the largest −s F.
     pub fn peak(&self) -> Option<Peak> {
+        let sense = self.sense();
         let mut best: Option<(f64, Peak)> = None;
         for (index, &(displacement, force)) in self.in_equilibrium() {
             let travel = displacement - self.start.0;
-            let along = travel.signum() * force;
+            let along = sense * travel.signum() * force;
             if travel != 0.0 && best.is_none_or(|(most, _)| along > most) {
                 best = Some((
                     along,
@@ -224,7 +244,7 @@ impl Curve {
             Some(i) if i + 1 < all.len() => at(all[i], all[i + 1], from),
             _ => force,
         };
-        sign * (force - before)
+        self.sense() * sign * (force - before)
     }
 
     /// Rise of the force over the last `part` of the farthest travel on one side of the start, along the envelope of the
@@ -255,8 +275,8 @@ impl Curve {
         if self.unloads() {
             return self.loses(peak);
         }
-        let side = (peak.displacement - self.start.0).signum();
-        side * last.1 < LOST * side * peak.force
+        let sense = self.sense() * (peak.displacement - self.start.0).signum();
+        is_less(sense * last.1, sense * peak.force)
     }
 
     /// Whether the drive moves back, by more than a hundredth of its range.
@@ -309,6 +329,7 @@ impl Curve {
     /// with a lower force.
     pub fn loses(&self, peak: Peak) -> bool {
         let side = (peak.displacement - self.start.0).signum();
+        let sense = self.sense() * side;
         let out = |d: f64| side * (d - self.start.0);
         let before = self.points[..=peak.index].iter().map(|p| out(p.0));
         let mut farthest = before.fold(0.0, f64::max);
@@ -316,7 +337,7 @@ impl Curve {
         after.any(|p| {
             let outer = out(p.0) >= farthest * (1.0 - ROUNDING);
             farthest = farthest.max(out(p.0));
-            outer && side * p.1 < LOST * side * peak.force
+            outer && is_less(sense * p.1, sense * peak.force)
         })
     }
 
@@ -368,6 +389,11 @@ impl Curve {
         let travel = crossing(before, self.points[i], f0 + rise) - d0;
         (travel != 0.0).then_some(rise / travel)
     }
+}
+
+/// Whether a force is less than the largest by more than rounding and noise.
+fn is_less(force: f64, most: f64) -> bool {
+    force < most - (1.0 - LOST) * most.abs()
 }
 
 /// Force at this displacement on the line from a to b.

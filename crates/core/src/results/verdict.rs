@@ -289,6 +289,26 @@ mod tests {
         (kind, text)
     }
 
+    /// A load of the opposite sign, ground that sinks under a constant weight, and a pressed face that is pulled back.
+    #[test]
+    fn forces_against_the_drive_pass_no_peak_by_their_sign() {
+        let (kind, text) = completed(&[(0.0, 0.0), (0.5, -0.2), (1.0, -0.4), (2.0, -0.8)]);
+        assert_eq!(kind, VerdictKind::StillRising);
+        let rises = "still rising at the end: -0.800 kN at 2.0000 mm, no peak yet";
+        assert_eq!(text, rises);
+        let (kind, _) = completed(&[(0.0, -35.0), (1.0, -35.001), (2.0, -35.0), (3.0, -35.001)]);
+        assert_eq!(kind, VerdictKind::Plateau);
+        let (kind, _) = completed(&[(0.0, -14.1), (1.0, -10.0), (2.0, -6.0), (3.0, -2.0)]);
+        assert_eq!(kind, VerdictKind::StillRising);
+        // Thrust that has grown and falls.
+        let (kind, text) = completed(&[(0.0, -1.0), (1.0, -9.0), (2.0, -5.0)]);
+        assert_eq!(kind, VerdictKind::PeakPassed);
+        assert!(
+            text.starts_with("peak of -9.000 kN at 1.0000 mm passed"),
+            "{text}"
+        );
+    }
+
     #[test]
     fn a_peak_is_one_only_where_the_force_has_fallen() {
         let (kind, text) = completed(&[(0.0, 0.0), (1.0, 10.0), (2.0, 20.0), (3.0, 15.0)]);
