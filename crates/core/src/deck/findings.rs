@@ -116,6 +116,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(peaks_not_seen(deck));
     warnings.extend(magnitudes(deck));
     warnings.extend(rigid_strategy(deck));
+    warnings.extend(records_outside(deck, model));
     let cautions = deck.cautions.iter();
     warnings.extend(cautions.map(|(path, message)| deck.warning(path, message.clone())));
     (warnings, errors)
@@ -130,6 +131,27 @@ fn rigid_strategy(deck: &Deck) -> Option<Warning> {
              openings by more than twice: a first estimate, to be compared with strategy = \"simplified\"",
         )
     })
+}
+
+/// Warnings about records of the ground that end before their step begins, or begin after it ends.
+fn records_outside(deck: &Deck, model: &Model) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for (i, step) in model.steps.iter().enumerate() {
+        for (axis, rows) in ["x", "y", "z"].iter().zip(&step.ground.acceleration) {
+            let (Some([first, _]), Some([last, _])) = (rows.first(), rows.last()) else {
+                continue;
+            };
+            if *last <= 0.0 || *first >= step.duration {
+                let message = format!(
+                    "the record acts from {first} s to {last} s after the step begins, and the step lasts {} s: the ground is \
+                     at rest throughout (ground_start is the time of the record at which the step begins)",
+                    step.duration
+                );
+                warnings.push(deck.warning(&format!("steps.{i}.ground.{axis}"), message));
+            }
+        }
+    }
+    warnings
 }
 
 /// Warnings about steps with `increments.peak` but without peak control.

@@ -228,7 +228,9 @@ impl Run<'_> {
                 };
                 (0..3).map(moved).sum()
             };
-            weights.iter().zip(slots).map(work).sum::<f64>() / whole
+            let work: f64 = weights.iter().zip(slots).map(work).sum();
+            // A load of 0 has no weights.
+            if whole == 0.0 { 0.0 } else { work / whole }
         };
         // A suction is a pressure below 0: it counts along its own sense, as other loads do.
         if load.is_pressure() && first_pressure(model, told) < 0.0 {
