@@ -77,6 +77,17 @@ fn curve(deck: &Deck) -> (Curve, Vec<HistoryRow>, Summary) {
     (curve, history.rows, summary)
 }
 
+/// A step whose only load is 0 has a force and a displacement of 0, not none.
+#[test]
+fn a_load_of_zero_has_a_displacement() {
+    let step = "[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"H\"\non = \"block.left\"\nforce = [0, 0, 0]\n";
+    let (_, rows, _) = curve(&deck(0.9, &format!("{BLOCK}{step}")));
+    let loaded = rows.iter().filter(|row| row.step == 1);
+    for row in loaded {
+        assert_eq!((row.displacement_mm, row.force_kN), (0.0, 0.0));
+    }
+}
+
 /// A pressure on one side and a suction on the other turn the block by the same force, which is positive.
 #[test]
 fn a_suction_has_the_peak_of_a_pressure() {

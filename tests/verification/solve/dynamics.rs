@@ -494,6 +494,29 @@ fn shaken(scene: &str, record: &str, step: &str) -> Model {
     Model::from_deck(&deck).unwrap().0
 }
 
+/// A record that begins after its step ends leaves the ground at rest, and a warning says so.
+#[test]
+fn records_outside_their_step_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("record.csv"), "t,a\n0,1\n1,2\n2,0\n").unwrap();
+    for (start, outside) in [("0 s", false), ("1.5 s", false), ("2.5 s", true)] {
+        let step = format!(
+            "{}[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 0.1\n\
+             ground = {{ x = \"record.csv\" }}\nground_start = \"{start}\"\n",
+            blocks::GRAVITY
+        );
+        let text = format!("{}{}{step}", blocks::HEAD, blocks::PAIR);
+        let file = folder.path().join("deck.toml");
+        let deck = Deck::from_str(&text, &file.display().to_string()).unwrap();
+        let (_, told) = Model::from_deck(&deck).unwrap();
+        let told: Vec<String> = told.iter().map(ToString::to_string).collect();
+        let named = told
+            .iter()
+            .any(|w| w.contains("the ground is at rest throughout"));
+        assert_eq!(named, outside, "{start}: {told:?}");
+    }
+}
+
 /// Under gravity a block on a ground that accelerates by 1 g slides against it with (1 - μ) g; at 0.3 g it sticks.
 /// The record is in g, twice as strong and 0.1 s late.
 #[test]

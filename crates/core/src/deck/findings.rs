@@ -143,8 +143,9 @@ fn records_outside(deck: &Deck, model: &Model) -> Vec<Warning> {
             };
             if *last <= 0.0 || *first >= step.duration {
                 let message = format!(
-                    "the record acts from {first} s to {last} s after the step begins, and the step lasts {} s: the ground is \
-                     at rest throughout (ground_start is the time of the record at which the step begins)",
+                    "the record acts from {first} s to {last} s after the step begins, and the step lasts {} s: \
+                     the ground is at rest throughout (ground_start is the time of the record at which the step \
+                     begins)",
                     step.duration
                 );
                 warnings.push(deck.warning(&format!("steps.{i}.ground.{axis}"), message));
