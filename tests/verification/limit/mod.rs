@@ -415,6 +415,23 @@ fn a_tie_carries_up_to_its_yield_force() {
     near_both(both(&model, back), known, EXACT);
 }
 
+/// A rod through the joint presses a squat block on its base, so that it slides at μ (W + P).
+#[test]
+fn a_prestressed_tie_presses_the_joint() {
+    let model = scene(
+        "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+         [[blocks]]\nname = \"top\"\nsize = [400, 100, 80]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
+         [[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n\
+         [[supports]]\non = \"base.bottom\"\n\
+         [[ties]]\nname = \"rod\"\npoints = [[200, 50, -25], [200, 50, 60]]\narea = 1\nE = \"200 GPa\"\n\
+         f_y = \"50 MPa\"\nprestress = \"20 N\"\n[[steps]]\nkind = \"gravity\"\n",
+    );
+    let weight = 2e-9 * 9810.0 * 400.0 * 100.0 * 80.0;
+    let found = analyse(&model, &along(0)).unwrap();
+    near(found.factor, 0.4 * (weight + 20.0) / weight, EXACT);
+    near(found.ties[0].force, 20.0, EXACT);
+}
+
 /// Faces that only general contact pairs have their area once, whichever body is first.
 #[test]
 fn loose_faces_are_joined_once() {

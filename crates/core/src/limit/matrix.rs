@@ -182,9 +182,8 @@ impl Program<'_> {
             if rod.most.is_finite() {
                 bounds.below(&[(column, 1.0)], rod.most / scale);
             }
-            let least = if rod.compression { -rod.most } else { 0.0 };
-            if least.is_finite() {
-                bounds.below(&[(column, -1.0)], -least / scale);
+            if rod.least.is_finite() {
+                bounds.below(&[(column, -1.0)], -rod.least / scale);
             }
         }
         bounds.close(before);

@@ -257,9 +257,8 @@ impl Mirror {
 
     /// Rods with their images; none if the image of a rod is none.
     pub fn rods(&self, bodies: &Bodies, rods: &[Rod]) -> Option<Vec<(usize, Option<usize>)>> {
-        let like = |a: usize, b: usize| {
-            (rods[a].most, rods[a].compression) == (rods[b].most, rods[b].compression)
-        };
+        let like =
+            |a: usize, b: usize| (rods[a].most, rods[a].least) == (rods[b].most, rods[b].least);
         let ends: Vec<_> = rods.iter().map(|rod| &rod.ends[..]).collect();
         self.pairs(bodies, &ends, &[1.0], &like)
     }

@@ -1,9 +1,12 @@
-//! Ties of a model as rods between rigid bodies: a force along each segment up to its yield force.
+//! Ties of a model as rods between rigid bodies: a force along each segment from its
+//! prestress up to its yield force.
 
 use nalgebra::Vector3;
 
 use super::bodies::{Bodies, Wrench};
 use crate::model::Model;
+use crate::model::steps::Step;
+use crate::model::ties::TieStage;
 
 /// A segment of a tie between two bodies.
 #[derive(Clone, Debug)]
@@ -14,15 +17,21 @@ pub struct Rod {
     pub ends: [(usize, Wrench); 2],
     /// Largest force [N]; infinite without a yield stress.
     pub most: f64,
-    /// Whether it carries compression.
-    pub compression: bool,
+    /// Least force [N]: its prestress, 0, or the largest compression that it carries.
+    pub least: f64,
 }
 
 impl Rod {
-    /// All segments of ties whose ends lie in two bodies.
-    pub fn all(model: &Model, bodies: &Bodies) -> Vec<Self> {
+    /// All segments of ties whose ends lie in two bodies, stressed in these steps.
+    pub fn all(model: &Model, steps: &[Step], bodies: &Bodies) -> Vec<Self> {
         let mut rods = Vec::new();
         for (t, tie) in model.ties.iter().enumerate() {
+            let most = tie.law.f_y * tie.law.area;
+            let least = if tie.law.compression {
+                -most
+            } else {
+                prestress(steps, t).min(most)
+            };
             for ends in tie.segments() {
                 let body = ends.map(|end| bodies.of_element[end.element as usize]);
                 let at = ends.map(|end| Vector3::from(end.at));
@@ -40,11 +49,21 @@ impl Rod {
                 rods.push(Self {
                     tie: t,
                     ends: [end(0, along), end(1, -along)],
-                    most: tie.law.f_y * tie.law.area,
-                    compression: tie.law.compression,
+                    most,
+                    least,
                 });
             }
         }
         rods
     }
+}
+
+/// Force to which these steps stress a tie last, 0 without [N].
+fn prestress(steps: &[Step], tie: usize) -> f64 {
+    let stages = steps.iter().filter_map(|step| step.ties.get(tie));
+    let forces = stages.filter_map(|stage| match stage {
+        TieStage::Stressed(force) => Some(*force),
+        TieStage::Fixed | TieStage::Absent => None,
+    });
+    forces.last().unwrap_or(0.0)
 }

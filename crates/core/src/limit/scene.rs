@@ -43,7 +43,7 @@ impl<'a> RigidScene<'a> {
         let mut actions = Actions::of(model, &bodies, live, settings.along)?;
         bodies.reactions.append(&mut actions.springs);
         let joints = Joint::all(model, &bodies, settings.bonded);
-        let rods = Rod::all(model, &bodies);
+        let rods = Rod::all(model, &model.steps[..=live.0], &bodies);
         let crushed = settings.strength.is_some();
         let reduced = (!settings.whole)
             .then(|| Unknowns::symmetric(&bodies, &joints, &rods, &actions, crushed));
