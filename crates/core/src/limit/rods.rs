@@ -61,9 +61,9 @@ impl Rod {
 /// Force to which these steps stress a tie last, 0 without [N].
 fn prestress(steps: &[Step], tie: usize) -> f64 {
     let stages = steps.iter().filter_map(|step| step.ties.get(tie));
-    let forces = stages.filter_map(|stage| match stage {
+    let mut forces = stages.filter_map(|stage| match stage {
         TieStage::Stressed(force) => Some(*force),
         TieStage::Fixed | TieStage::Absent => None,
     });
-    forces.last().unwrap_or(0.0)
+    forces.next_back().unwrap_or(0.0)
 }
