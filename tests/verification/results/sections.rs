@@ -355,6 +355,13 @@ const BAD: &[Bad] = &[
     ),
     (
         "through = [0, 0, \"60 mm\"]",
+        "through = [0, 0, \"1 mm\"]",
+        "sections.1.through",
+        "between the middles of elements",
+        "reaction",
+    ),
+    (
+        "through = [0, 0, \"60 mm\"]",
         "through = [0, 0, 60]\nof = \"side\"",
         "sections.1.of",
         "side",

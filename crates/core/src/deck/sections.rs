@@ -5,10 +5,13 @@ use super::keys;
 use super::masonry::levels;
 use super::quantity::Quantity;
 use super::schema::{Deck, DeckOpening, DeckSection, Names, Rotation, Wall};
+use crate::element::hexahedron::{difference, dot};
 use crate::error::{ErrorKind, Errors, ModelError};
+use crate::model::Mesh;
 use crate::model::axis::along_axis;
 use crate::model::sections::{Section, Sides};
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 /// A section before its elements are known.
 pub(super) struct Draft {
@@ -257,9 +260,25 @@ fn section(deck: &Deck, bodies: &Bodies<'_>, draft: Draft) -> Result<Section, Mo
         let corners = mesh.corners(e);
         is_of && draft.holds([0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0))
     });
-    let Some(sides) = Sides::of(mesh, elements, draft.directions[0], draft.through) else {
-        let message = format!("the section `{}` cuts no solid", draft.name);
-        let help = keys::example("through");
+    let elements: Vec<u32> = elements.collect();
+    let middles = extent(mesh, &elements, draft.directions[0], draft.through);
+    let Some(sides) = Sides::of(
+        mesh,
+        elements.into_iter(),
+        draft.directions[0],
+        draft.through,
+    ) else {
+        let mut message = format!("the section `{}` cuts no solid", draft.name);
+        let mut help = keys::example("through");
+        if let Some([low, high]) = middles {
+            let _ = write!(
+                message,
+                " between the middles of elements, which lie from {low:.1} to {high:.1} mm from it along its normal"
+            );
+            help = "move `through` by more than the first and less than the second; at a support, the columns of its \
+                    reaction have the force"
+                .to_owned();
+        }
         let error = deck.error(&format!("{}.through", draft.path), message, &help);
         return Err(error.of_kind(ErrorKind::Geometry));
     };
@@ -270,5 +289,19 @@ fn section(deck: &Deck, bodies: &Bodies<'_>, draft: Draft) -> Result<Section, Mo
         area: sides.area,
         above: sides.above,
         below: sides.below,
+    })
+}
+
+/// Least and largest distance of the middles of elements from the plane through a point, along its normal [mm]; none
+/// without elements.
+fn extent(mesh: &Mesh, elements: &[u32], normal: [f64; 3], through: [f64; 3]) -> Option<[f64; 2]> {
+    let distances = elements.iter().map(|e| {
+        let corners = mesh.corners(*e as usize);
+        let middle = [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0);
+        dot(difference(middle, through), normal)
+    });
+    distances.fold(None, |extent, x| {
+        let [low, high] = extent.unwrap_or([x, x]);
+        Some([low.min(x), high.max(x)])
     })
 }
