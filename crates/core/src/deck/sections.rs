@@ -262,23 +262,20 @@ fn section(deck: &Deck, bodies: &Bodies<'_>, draft: Draft) -> Result<Section, Mo
     });
     let elements: Vec<u32> = elements.collect();
     let middles = extent(mesh, &elements, draft.directions[0], draft.through);
-    let Some(sides) = Sides::of(
-        mesh,
-        elements.into_iter(),
-        draft.directions[0],
-        draft.through,
-    ) else {
+    let [normal, ..] = draft.directions;
+    let Some(sides) = Sides::of(mesh, elements.into_iter(), normal, draft.through) else {
         let mut message = format!("the section `{}` cuts no solid", draft.name);
-        let mut help = keys::example("through");
-        if let Some([low, high]) = middles {
+        let help = if let Some([low, high]) = middles {
             let _ = write!(
                 message,
                 " between the middles of elements, which lie from {low:.1} to {high:.1} mm from it along its normal"
             );
-            help = "move `through` by more than the first and less than the second; at a support, the columns of its \
-                    reaction have the force"
-                .to_owned();
-        }
+            let advice = "move `through` by more than the first and less than the second; at a support, the columns \
+                          of its reaction have the force";
+            advice.to_owned()
+        } else {
+            keys::example("through")
+        };
         let error = deck.error(&format!("{}.through", draft.path), message, &help);
         return Err(error.of_kind(ErrorKind::Geometry));
     };
