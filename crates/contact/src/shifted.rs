@@ -46,7 +46,8 @@ pub struct Shift {
     pub bounding: f64,
 }
 
-/// The three branches with zero stiffness: opening along the envelope, slip, open without traction.
+/// Which of the three branches without stiffness a point is on: opening along the softening curve, slip, open without
+/// traction.
 pub type Loose = [bool; 3];
 
 /// Largest number of passes for D, opening and slip, which depend on each other. A plain pass reduces the error by

@@ -17,7 +17,7 @@ const SHORTER: f64 = 0.7;
 const LONGER: f64 = 1.5;
 
 impl Pace {
-    /// Pace of a run resumed within `step` at step time `time` [s].
+    /// Estimate of the remaining time for a run that is resumed within `step` at step time `time` [s].
     pub fn from(step: usize, time: f64) -> Self {
         Self {
             step,

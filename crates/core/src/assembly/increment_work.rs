@@ -48,11 +48,12 @@ const TASK: usize = 128;
 /// Smallest change of damage that counts [-].
 const CHANGES: f64 = 1e-6;
 
-/// W at each of [`PARTS`] [N mm].
+/// W(s) at each of [`PARTS`], s [N mm].
 pub type Works = [f64; PARTS.len()];
 
 impl System {
-    /// W at each of [`PARTS`] of the increment of `dt` [s] that `trial` ends [N mm].
+    /// Work that joints and solids would do on the way of an increment beyond the trapezoidal rule, after each of
+    /// [`PARTS`] of the way [N mm]. `trial` ends the increment, which lasts `dt` [s].
     pub fn work_between(&self, model: &Model, state: &State, trial: &Trial, dt: f64) -> Works {
         let mut work = self.contact.work_between(model, state, trial);
         add(&mut work, &self.bulk.work_between(state, trial, dt));

@@ -10,7 +10,7 @@ use super::mirror::Mirror;
 use super::program::Corner;
 use super::rods::Rod;
 
-/// Corners with one force.
+/// A corner of a joint and its mirror image, which carry the same force: one set of unknowns stands for both.
 #[derive(Clone, Copy, Debug)]
 pub struct Orbit {
     /// A corner.
@@ -35,7 +35,7 @@ pub struct Unknowns {
     pub motions: Vec<Vec<Motion>>,
     /// Reactions of supports that leave some motions, and of springs: wrenches on bodies for a force of 1.
     pub reactions: Vec<Vec<(usize, Wrench)>>,
-    /// Corners with one force each, those between bodies that are held left out.
+    /// Corners of joints, each with its mirror image; those between bodies that are held are left out.
     pub corners: Vec<Orbit>,
     /// First column of each orbit of corners, and the one after the last. `[orbit + 1]`
     starts: Vec<usize>,

@@ -100,7 +100,9 @@ pub enum CheckError {
     #[error("the step dissipates {0:.3e} N/mm²")]
     Dissipation(f64),
     /// Too many points lie near a kink for the check of the tangent to be meaningful.
-    #[error("{kinks} of {points} points are within a difference of a kink")]
+    #[error(
+        "the tangent cannot be checked: at {kinks} of {points} points the finite difference crosses a kink of the law"
+    )]
     Kinks {
         /// Points where finite differences of two sizes disagree.
         kinks: usize,
@@ -118,7 +120,7 @@ const DIFFERENCE: f64 = 1e-4;
 /// Allowed rounding of stresses and energies, relative to those of an elastic step of the same strain.
 const ROUNDING: f64 = 1e-9;
 
-/// Runs all checks of this module.
+/// Runs all checks on a solid law: its form, balance, dissipation, objectivity and tangent.
 ///
 /// # Errors
 /// The first failure.

@@ -19,7 +19,7 @@ pub struct Record<const N: usize, H> {
     pub tangent: SMatrix<f64, N, N>,
 }
 
-/// A row that could not be completed.
+/// A row of a prescribed path of strains or gaps at which the law or its path failed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowFailure<const N: usize> {
     /// Number of the row, from 0.

@@ -161,7 +161,7 @@ impl Group {
         Self::Strategy,
     ];
 
-    /// Name of the group in words.
+    /// Name of this group of choices, as in the tables and charts of the study.
     pub fn name(self) -> &'static str {
         match self {
             Self::Default => "default",
@@ -237,8 +237,8 @@ impl Scene {
         name.map_or_else(String::new, |n| n.to_string_lossy().into_owned())
     }
 
-    /// Overrides of a choice in the short or the full form: keys of the deck and their values; none if the form
-    /// does not include the choice.
+    /// Deck keys with the values that this choice of numerics gives them, in the short or the full form of the study;
+    /// none if this form leaves the choice out.
     pub fn overrides(&self, choice: &Choice, short: bool) -> Option<Vec<(String, String)>> {
         let mut set = self.set.clone();
         if !self.short.extend(&mut set, short) {

@@ -121,7 +121,7 @@ fn detailed() -> String {
 }
 
 impl ZooRow {
-    /// A row with the columns that describe the wall.
+    /// A row of the table of random walls for this wall. The columns of its run are empty until it ends.
     pub fn of_wall(wall: &Wall) -> Self {
         let [l, t, h] = wall.unit;
         let mortar = Some(wall.mortar).filter(|_| wall.joint > 0.0);

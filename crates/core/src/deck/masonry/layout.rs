@@ -41,7 +41,7 @@ pub enum Half {
     Right,
 }
 
-/// Kind of a unit of a wall.
+/// Whether a body of a wall is a unit of a course or the lintel above an opening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A unit, with its index in its course.

@@ -201,7 +201,7 @@ impl Material {
         self.kind == SolidKind::default() && (has_tables || self.has_energies())
     }
 
-    /// Length of an element that is compared with the reference length.
+    /// Measure of the size of an element by which softening is scaled: the length of its crack band.
     pub fn band(&self) -> CrackBand {
         self.crack_band.unwrap_or_default()
     }

@@ -457,7 +457,7 @@ impl Deck {
         !self.blocks.is_empty() || !self.imports.is_empty() || self.arch.is_some()
     }
 
-    /// Returns whether there is a scene.
+    /// Returns whether the deck has any body: a wall, a block, an arch or an imported mesh.
     pub fn has_scene(&self) -> bool {
         self.has_blocks() || self.has_walls()
     }

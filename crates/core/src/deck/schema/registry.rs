@@ -37,7 +37,7 @@ pub struct RegisteredSolid {
     pub parameters: fn(&Material) -> MaterialParameters,
 }
 
-/// Keys that every law reads.
+/// Keys that a material of any law may have.
 pub const COMMON: [&str; 6] = ["kind", "name", "f_b", "E", "nu", "density"];
 
 /// All laws of the solids.
