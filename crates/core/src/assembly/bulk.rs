@@ -80,7 +80,7 @@ pub struct Bulk {
     shapes: Vec<ElementShape>,
     shape_of: Vec<u32>,
     laws: Vec<Material>,
-    law_of: Vec<u32>,
+    pub(super) law_of: Vec<u32>,
     /// Whether an element belongs to a rigid body and has neither force nor stiffness. Empty without such bodies.
     /// `[element]`
     is_rigid: Vec<bool>,
@@ -155,6 +155,17 @@ impl Bulk {
                 law.stabilise(viscosity, damage_rate);
             }
         }
+    }
+
+    /// The laws without a bound on the rate of damage.
+    pub(super) fn prompt_laws(&self) -> Vec<Material> {
+        let mut laws = self.laws.clone();
+        for law in &mut laws {
+            if let Material::DamagePlasticity(law) = law {
+                law.stabilise(0.0, f64::INFINITY);
+            }
+        }
+        laws
     }
 
     /// Leaves out the elements of rigid bodies, and no others.

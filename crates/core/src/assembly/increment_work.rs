@@ -49,7 +49,13 @@ const TASK: usize = 128;
 const CHANGES: f64 = 1e-6;
 
 /// W(s) at each of [`PARTS`], s [N mm].
-pub type Works = [f64; PARTS.len()];
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Works {
+    /// Of the whole way Δg and Δε.
+    pub whole: [f64; PARTS.len()],
+    /// Of the inelastic part of the way, Δg − k⁻¹Δt and Δε − C⁻¹Δσ.
+    pub inelastic: [f64; PARTS.len()],
+}
 
 impl System {
     /// Work that joints and solids would do on the way of an increment beyond the trapezoidal rule, after each of
@@ -58,6 +64,12 @@ impl System {
         let mut work = self.contact.work_between(model, state, trial);
         add(&mut work, &self.bulk.work_between(state, trial, dt));
         work
+    }
+
+    /// Work in the increment of `dt` [s] that `trial` ends, of the stress that solids carry because their damage lags
+    /// behind its law [N mm].
+    pub fn work_of_lag(&self, state: &State, trial: &Trial, dt: f64) -> f64 {
+        self.bulk.work_of_lag(state, trial, dt)
     }
 }
 
@@ -74,14 +86,24 @@ impl Contact {
             let gap = |h: &wythe_contact::InterfaceHistory| [h.opening, h.slip[0], h.slip[1]];
             let (from, to) = (gap(old), gap(new));
             let way = [0, 1, 2].map(|i| to[i] - from[i]);
-            let along = |t: &[f64; 3]| (0..3).map(|i| t[i] * way[i]).sum::<f64>();
-            // Tractions of the commits are used here. With the shifted penalty the law at their gaps gives slightly
-            // different ones.
-            let [start, end] = [old, new].map(|h| along(&h.traction));
-            for (sum, s) in sum.iter_mut().zip(PARTS) {
+            let [normal, shear] = law.stiffness();
+            let stiffness = [normal, shear, shear];
+            let inelastic =
+                [0, 1, 2].map(|i| way[i] - (new.traction[i] - old.traction[i]) / stiffness[i]);
+            let area = self.points[p].area;
+            for (k, s) in PARTS.into_iter().enumerate() {
                 let at = [0, 1, 2].map(|i| from[i] + s * way[i]);
-                let work = along(&law.update(at, old).traction);
-                *sum += self.points[p].area * (work - (start + s * (end - start)));
+                let traction = law.update(at, old).traction;
+                // Tractions of the commits are used here. With the shifted penalty the law at their gaps gives
+                // slightly different ones.
+                let line = |i: usize| old.traction[i] + s * (new.traction[i] - old.traction[i]);
+                let along = |way: &[f64; 3]| {
+                    (0..3)
+                        .map(|i| (traction[i] - line(i)) * way[i])
+                        .sum::<f64>()
+                };
+                sum.whole[k] += area * along(&way);
+                sum.inelastic[k] += area * along(&inelastic);
             }
         })
     }
@@ -111,15 +133,39 @@ impl Bulk {
                     continue;
                 };
                 let way = to - from;
-                let [start, end] = [old, new].map(|h| h.stress.dot(&way));
-                for (sum, s) in sum.iter_mut().zip(PARTS) {
+                let change = new.stress - old.stress;
+                let inelastic = way - law.elastic_strain(&change);
+                for (k, s) in PARTS.into_iter().enumerate() {
                     let at = from + way * s;
                     let stress = law.update(&at, old, s * dt, false).map(|r| r.stress);
-                    let work = stress.map_or(0.0, |stress| stress.dot(&way));
-                    *sum += shape.weight[g] * (work - (start + s * (end - start)));
+                    let beyond = stress.unwrap_or_default() - (old.stress + change * s);
+                    sum.whole[k] += shape.weight[g] * beyond.dot(&way);
+                    sum.inelastic[k] += shape.weight[g] * beyond.dot(&inelastic);
                 }
             }
         })
+    }
+
+    fn work_of_lag(&self, state: &State, trial: &Trial, dt: f64) -> f64 {
+        let prompt = self.prompt_laws();
+        let works = (0..self.elements.len()).map(|e| {
+            let (law, shape) = (&prompt[self.law_of[e] as usize], self.shape(e));
+            let of_point = |g: usize| {
+                let (old, new) = (&state.material[8 * e + g], &trial.solids.history[8 * e + g]);
+                if new.damage - new.viscous_damage <= CHANGES {
+                    return 0.0;
+                }
+                let (Some(from), Some(to)) = (self.strain(e, old), self.strain(e, new)) else {
+                    return 0.0;
+                };
+                let stress = law
+                    .update(&to, old, dt, false)
+                    .map_or(new.stress, |r| r.stress);
+                shape.weight[g] * (new.stress - stress).dot(&(to - from))
+            };
+            (0..8).map(of_point).sum::<f64>()
+        });
+        works.sum()
     }
 
     /// Strain of a point with this history [-], from its stress. None where the point has lost its stiffness.
@@ -132,8 +178,9 @@ impl Bulk {
 }
 
 fn add(sum: &mut Works, more: &Works) {
-    for (sum, more) in sum.iter_mut().zip(more) {
-        *sum += more;
+    for k in 0..PARTS.len() {
+        sum.whole[k] += more.whole[k];
+        sum.inelastic[k] += more.inelastic[k];
     }
 }
 

@@ -83,8 +83,21 @@ impl Moved {
 }
 
 impl Run<'_> {
-    /// Notes the present equilibrium, from which inertia takes over.
-    pub(in crate::solve) fn depart(&mut self, step: usize, load_factor: f64) {
+    /// Notes the present equilibrium, from which inertia takes over at this part of the loads. Loads that the step has
+    /// carried before count on: a path beyond their peak leads to lower ones.
+    pub(in crate::solve) fn depart(&mut self, step_run: &StepRun, load_factor: f64) {
+        let sense = step_run.sense();
+        let before = self.last_equilibrium.as_ref();
+        let carried = before
+            .filter(|last| last.step == step_run.index && !prescribes(step_run.step))
+            .map_or(load_factor, |last| {
+                sense * (sense * load_factor).max(sense * last.load_factor)
+            });
+        self.note_equilibrium(step_run.index, carried);
+    }
+
+    /// Notes the present equilibrium of a step, which carried this part of its loads.
+    pub(in crate::solve) fn note_equilibrium(&mut self, step: usize, load_factor: f64) {
         self.last_equilibrium = Some(LastEquilibrium {
             step,
             load_factor,
@@ -118,7 +131,7 @@ impl Run<'_> {
             // The loads grow at rest: the wall carried those at the start of the increment. At its end it may have begun to
             // slide. A fall begins slowly, with a kinetic energy that grows from increment to increment.
             if !hastens {
-                self.depart(step_run.index, carried);
+                self.depart(step_run, carried);
             }
             return false;
         }

@@ -81,6 +81,7 @@ struct Mark {
     peak: PeakWatch,
     relaxations: Relaxations,
     damage_rate: f64,
+    takes: f64,
     stopped: bool,
     held: usize,
 }
@@ -240,6 +241,7 @@ impl<'m> Run<'m> {
                 peak: step_run.peak,
                 relaxations: step_run.snap.relaxations,
                 damage_rate: step_run.snap.damage_rate,
+                takes: step_run.snap.takes,
                 stopped: step_run.stopped,
                 held: step_run.held,
             },
@@ -349,7 +351,7 @@ impl<'m> Run<'m> {
         (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
         step_run.peak = mark.peak;
         step_run.snap.relaxations = mark.relaxations;
-        step_run.snap.damage_rate = mark.damage_rate;
+        (step_run.snap.damage_rate, step_run.snap.takes) = (mark.damage_rate, mark.takes);
         step_run.watch = Watch::new(&model.steps, step, 0.0, self.part.wholes());
         match (&mut step_run.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

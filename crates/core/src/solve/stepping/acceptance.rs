@@ -215,7 +215,7 @@ impl Run<'_> {
     }
 
     /// Data of the increment that ends at the trial for the search of a hidden peak; none without drive or steering.
-    fn passage(
+    pub(super) fn passage(
         &self,
         step_run: &StepRun,
         request: IncrementRequest,

@@ -6,7 +6,7 @@
 //! static ──▶ static with consistent tangents (secant ones converge too slowly at any size)
 //!        ──▶ dissipation (snap-back: the load must fall before it rises; with consistent tangents
 //!            where secant ones fail on the path)
-//!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften)
+//!        ──▶ implex (a unit snaps: solids extrapolated; only where materials soften and displacements are driven)
 //!        ──▶ direct (points on meshes that do not match converge too slowly with the shifted penalty)
 //!        ──▶ quasi_static (bodies without support, falls: inertia; only where everything has mass)
 //!        ──▶ static (no method follows the path: jump to the equilibrium found beyond, or take the
@@ -41,6 +41,8 @@ const PATIENCE: usize = 3;
 const MOST_LOST: u32 = 6;
 /// Rejections in a row after which secant tangents are given up, whatever the increment size.
 const STALLS: usize = 2;
+/// Part of the loads at which a path began, below which it is left where loads are prescribed.
+const FALLEN: f64 = 0.5;
 /// Most solves of an increment with consistent tangents after which secant ones may be tried again.
 const EASY: usize = 2;
 /// Increments in which the load must rise before a path is left for statics; doubled each time.
@@ -96,6 +98,8 @@ pub struct Fallback {
     passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
+    /// Whether any solid yields or softens.
+    softens: bool,
     /// Number of leading choices of the first method, and rejections in a row by one of them other than the last.
     statics: usize,
     stalls: usize,
@@ -107,12 +111,12 @@ const fn with(method: Method, tangent: Tangent) -> MethodChoice {
 
 /// Methods of a step with these tangents, in the order in which they are tried; `all_has_mass` if inertia can act.
 fn choices(model: &Model, step: &Step, tangent: Tangent, all_has_mass: bool) -> Vec<MethodChoice> {
-    let softens = model.materials.iter().any(|m| m.parameters.yields());
+    let softens = softens(model);
     let first = with(Method::of(step.procedure), tangent);
     let mut choices = vec![first];
     match step.procedure {
         Procedure::Auto => {
-            choices.extend(after_statics(tangent, softens));
+            choices.extend(after_statics(tangent, softens, step.drives()));
             choices.extend(inertia(tangent, all_has_mass));
             choices.push(with(Method::Static, tangent));
         }
@@ -127,8 +131,13 @@ fn choices(model: &Model, step: &Step, tangent: Tangent, all_has_mass: bool) -> 
     choices
 }
 
-/// Methods of `auto` between statics with these tangents and inertia.
-fn after_statics(tangent: Tangent, softens: bool) -> Vec<MethodChoice> {
+/// Whether any solid yields or softens.
+fn softens(model: &Model) -> bool {
+    model.materials.iter().any(|m| m.parameters.yields())
+}
+
+/// Methods of `auto` between statics with these tangents and inertia. `drives`: whether a displacement is driven.
+fn after_statics(tangent: Tangent, softens: bool, drives: bool) -> Vec<MethodChoice> {
     let path = with(Method::Dissipation, tangent);
     let mut choices = Vec::new();
     if softens {
@@ -139,8 +148,10 @@ fn after_statics(tangent: Tangent, softens: bool) -> Vec<MethodChoice> {
         if tangent == Tangent::Secant {
             choices.push(with(Method::Dissipation, Tangent::Consistent));
         }
-        // Extrapolated solids are linear: their tangent is their secant.
-        choices.push(with(Method::Implex, Tangent::Secant));
+        // Extrapolated solids are linear: their tangent is their secant. Loads would move what has broken without bound.
+        if drives {
+            choices.push(with(Method::Implex, Tangent::Secant));
+        }
     }
     if tangent != Tangent::Direct {
         choices.push(with(Method::Direct, Tangent::Direct));
@@ -201,6 +212,7 @@ impl Fallback {
             lost: 0,
             passed_over: 0,
             snaps: false,
+            softens: softens(model),
         }
     }
 
@@ -259,7 +271,7 @@ impl Fallback {
 
     /// Whether statics is still in use and solids may snap.
     pub fn may_snap(&self) -> bool {
-        self.at < self.statics && self.place(Method::Implex).is_some()
+        self.at < self.statics && self.softens
     }
 
     /// Whether statics is in use and would be left for a body that comes loose in an increment of this size.
@@ -310,6 +322,28 @@ impl Fallback {
     /// Whether a snap should be followed along its path instead of jumped over.
     pub fn prefers_paths(&self) -> bool {
         self.at < self.statics && self.place(Method::Dissipation).is_some()
+    }
+
+    /// Leaves a path on which the loads have fallen far below those at which it began, for inertia: loads that stay
+    /// would have let the structure fall there. True if the method changed.
+    pub fn leaves_path(&mut self, load: f64) -> bool {
+        if !self.method().follows_path() || load >= FALLEN * self.left_at {
+            return false;
+        }
+        let Some(at) = self.inertia() else {
+            return false;
+        };
+        (self.at, self.calm) = (at, 0);
+        true
+    }
+
+    /// Largest part of the loads in equilibrium before the first method was left, at `load` now.
+    pub fn carried(&self, load: f64) -> f64 {
+        if self.at == 0 {
+            load
+        } else {
+            load.max(self.left_at)
+        }
     }
 
     /// Changes to the next method, at part `load` of the loads. A free body needs inertia.

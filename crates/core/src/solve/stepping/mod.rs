@@ -3,6 +3,7 @@
 pub(in crate::solve) mod acceptance;
 pub(in crate::solve) mod commit;
 pub(in crate::solve) mod counts;
+pub(in crate::solve) mod damage_bound;
 pub(in crate::solve) mod energy_watch;
 pub(in crate::solve) mod exchange;
 pub(in crate::solve) mod explain;

@@ -7,8 +7,9 @@
 //! a given part of the force is missed. An increment that passed an unforeseen peak is repeated.
 //!
 //! A bond that breaks within an increment causes a corner, which no parabola predicts. There the constitutive laws
-//! give the force. With the work W(s) of joints and solids up to part s of the increment, beyond the straight line
-//! between its ends ([`System::work_between`](crate::assembly::System::work_between)), it is
+//! give the force. With the work W(s) of the forces of joints and solids at part s of the increment, beyond the
+//! straight line between its ends, on the inelastic part of their way
+//! ([`System::work_between`](crate::assembly::System::work_between)), it is
 //!
 //! ```text
 //! F(s) = (1−s) F₀ + s F₁ + W(s)/a,   a = Δu − (F₁ − F₀)/K,
@@ -81,6 +82,11 @@ impl PeakWatch {
         self.most = self.most.max(force.abs());
         let [positive, negative] = self.largest;
         self.largest = [positive.max(force), negative.max(-force)];
+    }
+
+    /// Largest magnitude of the force so far.
+    pub(in crate::solve) fn most(&self) -> f64 {
+        self.most
     }
 
     /// Discards the last increments, where the next ones do not continue them.
@@ -202,7 +208,8 @@ impl PeakWatch {
         }
         let by_work = passage.by_work.abs();
         let works = work();
-        if is_first && works.iter().all(|w| by_work * w <= LINEAR * part * largest) {
+        let is_straight = |w: &f64| by_work * w <= LINEAR * part * largest;
+        if is_first && works.whole.iter().all(is_straight) {
             return None;
         }
         if near <= 0.0 {
@@ -210,7 +217,7 @@ impl PeakWatch {
             return Some(SHORTEST * size);
         }
         let yields = |stiffness: f64| (1.0 - secant / stiffness).max(YIELDS);
-        let forces = PARTS.iter().zip(&works).map(|(&s, w)| {
+        let forces = PARTS.iter().zip(&works.inelastic).map(|(&s, w)| {
             let most = most + s * (end - most);
             let force = start + s * (end - start) + by_work * w / yields(stiffest);
             (s, force, most)
@@ -237,7 +244,7 @@ impl PeakWatch {
 /// Largest force within an increment from `start` to `end` in which the points that yield take the whole
 /// displacement, as in a solid that is pulled evenly: F₀ (1−s) + F₁ s + W/Δu, at most that of an elastic `rise`.
 fn evenly([start, end]: [f64; 2], rise: f64, by_work: f64, works: &Works) -> f64 {
-    let forces = PARTS.iter().zip(works).map(|(&s, w)| {
+    let forces = PARTS.iter().zip(&works.whole).map(|(&s, w)| {
         let force = start + s * (end - start) + by_work * w;
         force.min(start + s * rise)
     });
@@ -386,7 +393,11 @@ mod tests {
                 let work = || {
                     let [t0, t1] = [g0, g1].map(|g| self.traction(g));
                     let beyond = |s: f64| self.traction(g0 + s * (g1 - g0)) - t0 - s * (t1 - t0);
-                    PARTS.map(|s| beyond(s) * (g1 - g0))
+                    let inelastic = g1 - g0 - (t1 - t0) / self.bond;
+                    Works {
+                        whole: PARTS.map(|s| beyond(s) * (g1 - g0)),
+                        inelastic: PARTS.map(|s| beyond(s) * inelastic),
+                    }
                 };
                 if let Some(shorter) = watch.hides(&passage, 0.005, &mut tried, work) {
                     assert!(shorter <= LONGEST * size);
@@ -430,9 +441,7 @@ mod tests {
                 for sign in [1.0, -1.0] {
                     let (most, tries) = bonded.seen(way, sign);
                     println!("{line} {softens} {way}: {} in {tries}", most / exact);
-                    // The given part, and as much again for K, which contains the elasticity of the bond too. (A bond
-                    // that softens at 0.9 of the spring's stiffness misses 1.1 % in a drive a thousand times as
-                    // long.)
+                    // The given part, and as much again for the parts at which the force is read.
                     let left = 0.01;
                     assert!(most > (1.0 - left) * exact, "{line} {softens} {way} {most}");
                     // 80 increments of the largest size, and some before.

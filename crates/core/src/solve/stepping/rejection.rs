@@ -117,13 +117,7 @@ impl Run<'_> {
         self.adopt(step_run);
         let floor = step_run.fallback.floor();
         match step_run.fallback.method() {
-            Method::QuasiStatic => {
-                self.depart(step_run.index, step_run.load);
-                let steers = step_run.step.control.is_some();
-                self.carry_momentum(if steers { 0.0 } else { step_run.sense() });
-                self.state.last = None;
-                step_run.schedule.resume(size.min(floor));
-            }
+            Method::QuasiStatic => self.begin_inertia(step_run, size.min(floor)),
             // The equations are linear, so the trouble that cut the increment does not affect them.
             Method::Implex => step_run.schedule.resume(size.max(floor)),
             // No method follows the path: jump over it, to the equilibrium found beyond or else by the largest
@@ -137,6 +131,17 @@ impl Run<'_> {
             _ => {}
         }
         self.note(step_run, &why, recorder);
+    }
+
+    /// Lets inertia carry the bodies from the present equilibrium, by increments of this size at first.
+    pub(super) fn begin_inertia(&mut self, step_run: &mut StepRun, size: f64) {
+        let sense = step_run.sense();
+        let carried = step_run.fallback.carried(sense * step_run.load);
+        self.depart(step_run, sense * carried);
+        let steers = step_run.step.control.is_some();
+        self.carry_momentum(if steers { 0.0 } else { sense });
+        self.state.last = None;
+        step_run.schedule.resume(size);
     }
 
     /// Ends the run for lack of equilibrium.

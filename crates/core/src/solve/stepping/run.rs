@@ -210,6 +210,7 @@ impl<'m> Run<'m> {
             let go_on = match outcome {
                 Outcome::Converged(report)
                     if self.try_as_shock(&mut step_run, request)
+                        || self.loosens_bound(&mut step_run, request, report)
                         || self.repeat_for_peak(&mut step_run, request, report) =>
                 {
                     step_run.attempts.solves += report.iterations;
@@ -266,7 +267,7 @@ impl<'m> Run<'m> {
             // Bodies that `auto` set in motion continue to move.
             fallback.start_moving();
             if self.last_equilibrium.is_none() {
-                self.depart(index, 0.0);
+                self.note_equilibrium(index, 0.0);
             }
         }
         let mut step_run = StepRun::new(newton, fallback, index, step);
@@ -427,6 +428,15 @@ impl<'m> Run<'m> {
     ) {
         let load = step_run.sense() * step_run.load;
         let fallback = &mut step_run.fallback;
+        let falls = !step_run.step.drives() && step_run.step.control.is_none();
+        if falls && fallback.leaves_path(load) {
+            let floor = fallback.floor();
+            self.adopt(step_run);
+            self.begin_inertia(step_run, floor);
+            let why = "the path leads to less than half of the loads";
+            self.note(step_run, why, recorder);
+            return;
+        }
         if !fallback.take_first_again(report, moves, forth, load) {
             if fallback.exchange() {
                 self.adopt(step_run);

@@ -1,4 +1,4 @@
-//! Snaps of a step: whether a rejected increment is relaxed, and the bound on the rate of damage after a snap.
+//! Snaps of a step: whether a rejected increment is relaxed.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,13 +9,6 @@ use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::outcome::{Rejection, Report};
 use crate::state::Method;
-
-/// Largest lag of damage behind its law at which a snap is over [-].
-const SETTLED: f64 = 0.02;
-
-/// Least number of the largest increments in which the damage of a point may rise from 0 to 1
-/// (docs/theory/procedures.md, eq. 9).
-const SNAPS_TAKE: f64 = 4.0;
 
 /// Size over that of a failed relaxation, below which another one is tried.
 const RELAX_AGAIN: f64 = 0.2;
@@ -155,32 +148,6 @@ impl<'m> Run<'m> {
         // as many solves.
         let first = step_run.snap.relaxations.in_a_row == 0;
         applies && stuck && first && size < step_run.snap.relaxes_below
-    }
-
-    /// Bounds the rate of damage from now on (docs/theory/procedures.md, eq. 9), unless the step has a viscosity.
-    pub(super) fn bound_damage(&mut self, step_run: &mut StepRun<'m>) {
-        let step = step_run.step;
-        if step.viscosity == 0.0 {
-            step_run.snap.damage_rate = 1.0 / (SNAPS_TAKE * step.increments.max * step.duration);
-            self.system.bulk.stabilise(0.0, step_run.snap.damage_rate);
-        }
-    }
-
-    /// Removes the bound on the rate of damage when no damage lags behind any more.
-    pub(super) fn free_damage(&mut self, step_run: &mut StepRun<'m>) {
-        if step_run.snap.damage_rate.is_infinite() {
-            return;
-        }
-        let points = self.state.material.iter();
-        let lag = points
-            .map(|h| h.damage - h.viscous_damage)
-            .fold(0.0, f64::max);
-        if lag <= SETTLED {
-            step_run.snap.damage_rate = f64::INFINITY;
-            self.system
-                .bulk
-                .stabilise(step_run.step.viscosity, f64::INFINITY);
-        }
     }
 
     /// Commits the end of a relaxation that started at `request`.

@@ -1,6 +1,7 @@
 //! One step in progress: chooses the next increment and its method.
 
 use super::acceptance::resolving;
+use super::damage_bound::SNAPS_TAKE;
 use super::explain::progress;
 use super::fallback::{Fallback, Least};
 use super::path::{Advance, PathMeasure};
@@ -75,6 +76,8 @@ pub(in crate::solve) struct SnapRun {
     pub(in crate::solve) beyond: Option<f64>,
     /// Largest rate of damage while a snap lasts [1/s]; infinite otherwise.
     pub(in crate::solve) damage_rate: f64,
+    /// Number of the largest increments in which the damage of a point may rise from 0 to 1 while a snap lasts.
+    pub(in crate::solve) takes: f64,
     /// Relaxations in a row, and those that failed.
     pub(in crate::solve) relaxations: Relaxations,
     /// Size of the increment after a relaxation that is about to be committed.
@@ -171,6 +174,7 @@ impl<'m> StepRun<'m> {
             snap: SnapRun {
                 beyond: None,
                 damage_rate: f64::INFINITY,
+                takes: SNAPS_TAKE,
                 relaxations: Relaxations::default(),
                 resumes_at: None,
                 relaxes_below: f64::INFINITY,
