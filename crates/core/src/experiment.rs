@@ -150,6 +150,7 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
         let from = record.position().map_or(1, csv::Position::line) - 1;
         let skipped = text.lines().skip(from as usize).position(|l| first(&l));
         let line = Some(from + skipped.unwrap_or(0) as u64 + 1);
+        require_width(&record, names.len()).map_err(|(why, help)| (line, why, help))?;
         let mut point = [0.0; 2];
         for (value, (column, unit)) in point.iter_mut().zip(columns) {
             let field = record.get(column).unwrap_or_default();
@@ -177,6 +178,19 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
         return Err((None, why, "name the column that moves".to_owned()));
     }
     Ok(points)
+}
+
+/// Rejects a row with more fields than the header: a decimal comma would shift its columns.
+fn require_width(record: &csv::StringRecord, header: usize) -> Result<(), (String, String)> {
+    let fields = record.iter().collect::<Vec<_>>();
+    let empty = fields.iter().rev().take_while(|field| field.is_empty());
+    let count = fields.len() - empty.count();
+    if count <= header {
+        return Ok(());
+    }
+    let why = format!("the row has {count} fields, and the header {header}");
+    let help = "with decimal commas, separate the columns by semicolons or tabs";
+    Err((why, help.to_owned()))
 }
 
 /// Index of a column, and its unit in mm or kN.
@@ -281,6 +295,11 @@ mod tests {
                 "`` in the column",
             ),
             ("displacement_mm,force_kN\n0,0\n1,NaN\n", Some(3), "`NaN`"),
+            (
+                "displacement_mm,force_kN\n0,0\n0,5,12\n",
+                Some(3),
+                "3 fields",
+            ),
             (
                 "displacement [in],force [lbf]\n0,0\n1,2\n",
                 Some(1),

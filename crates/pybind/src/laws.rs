@@ -20,7 +20,7 @@ use wythe_core::material::{
     MaterialParameters, Response, Slot, SolidLaw,
 };
 use wythe_core::model::Model;
-use wythe_core::model::scene::HeldBy;
+use wythe_core::model::scene::{Fidelity, HeldBy};
 use wythe_core::point::checks::{self as of_solids, Paths as RandomPaths};
 
 use crate::errors;
@@ -334,6 +334,12 @@ impl Laws {
                 "interfaces.{name} has the Python law `{}`",
                 law.name
             ));
+        }
+        if let (Some((name, _)), Fidelity::Elastic) = (self.materials.first(), model.fidelity) {
+            return Err(PyValueError::new_err(format!(
+                "laws: with fidelity = \"elastic\" solids stay linear elastic, so that the law of material `{name}` \
+                 would never be called: take another fidelity, or leave the law out"
+            )));
         }
         for (name, law) in &self.materials {
             let known = named(model.materials.iter().map(|material| &material.name));

@@ -144,6 +144,11 @@ impl Deck {
         self.said.folder().to_owned()
     }
 
+    /// Files that the deck names, and those that its meshes include.
+    fn files(&self) -> Vec<PathBuf> {
+        self.said.other_files()
+    }
+
     /// Columns of the probes in the history; empty if the model cannot be built.
     fn probe_columns(&self, py: Python<'_>) -> Vec<String> {
         match &*self.built(py) {

@@ -415,6 +415,50 @@ fn a_tie_carries_up_to_its_yield_force() {
     near_both(both(&model, back), known, EXACT);
 }
 
+/// A block whose centre lies beyond the edge of its base falls by itself, though a push back would hold it.
+#[test]
+fn a_scene_that_falls_without_its_live_load_has_no_factor() {
+    let overhanging = |by: f64| {
+        scene(&format!(
+            "[[blocks]]\nname = \"base\"\nsize = [200, 100, 50]\nat = [0, 0, -50]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"top\"\nsize = [200, 100, 80]\nat = [{by}, 0, 0]\nmaterial = \"stone\"\n\
+             mesh = [2, 1, 1]\n[[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\n\
+             interface = \"dry\"\n[[supports]]\non = \"base.bottom\"\n[[steps]]\nkind = \"gravity\"\n"
+        ))
+    };
+    let back = |along: [f64; 3]| LimitSettings {
+        along: Some(along),
+        ..LimitSettings::default()
+    };
+    let along = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for along in along {
+        let falls = analyse(&overhanging(110.0), &back(along)).unwrap_err();
+        assert_eq!(falls, LimitError::FallsAt("top".to_owned()), "{along:?}");
+        assert!(analyse(&overhanging(90.0), &back(along)).is_ok());
+    }
+}
+
+/// The load of a step before the live one is what its amplitude leaves of it.
+#[test]
+fn dead_loads_end_as_their_amplitude_does() {
+    let pressed = |end: f64| {
+        let model = scene(&format!(
+            "[[blocks]]\nname = \"base\"\nsize = [600, 200, 50]\nat = [-100, -50, -50]\nmaterial = \"stone\"\n\
+             [[blocks]]\nname = \"top\"\nsize = [400, 100, 80]\nmaterial = \"stone\"\nmesh = [2, 2, 2]\n\
+             [[contacts]]\nslave = \"top.bottom\"\nmaster = \"base.top\"\ninterface = \"dry\"\n\
+             [[supports]]\non = \"base.bottom\"\n[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"load\"\n\
+             amplitude = [[0, 0], [0.5, 1], [1, {end}]]\n[[steps.loads]]\nname = \"N\"\non = \"top.top\"\n\
+             force = [0, 0, -1000]\n[[steps]]\nkind = \"load\"\n[[steps.loads]]\nname = \"H\"\n\
+             on = \"top.left\"\nforce = [1, 0, 0]\n"
+        ));
+        analyse(&model, &LimitSettings::default()).unwrap().factor
+    };
+    let weight = 2e-9 * 9810.0 * 400.0 * 100.0 * 80.0;
+    for end in [0.0, 0.25, 1.0] {
+        near(pressed(end), 0.4 * (weight + 1000.0 * end), EXACT);
+    }
+}
+
 /// A rod through the joint presses a squat block on its base, so that it slides at μ (W + P).
 #[test]
 fn a_prestressed_tie_presses_the_joint() {

@@ -16,6 +16,23 @@ const EITHER_OR: [(&str, &str); 8] = [
     ("corners", "nodes"),
 ];
 
+/// An earlier override that excludes the last one: both set one of a pair of exclusive keys of the same table.
+pub(super) fn excluded(overrides: &[(String, String)]) -> Option<&str> {
+    let ((last, _), earlier) = overrides.split_last()?;
+    let (table, key) = last.rsplit_once('.').unwrap_or(("", last));
+    let other = |(a, b): &(&'static str, &'static str)| match key {
+        key if key == *a => Some(*b),
+        key if key == *b => Some(*a),
+        _ => None,
+    };
+    let others: Vec<&str> = EITHER_OR.iter().filter_map(other).collect();
+    let mut earlier = earlier.iter().map(|(path, _)| path.as_str());
+    earlier.find(|path| {
+        let (of, key) = path.rsplit_once('.').unwrap_or(("", path));
+        of == table && others.contains(&key)
+    })
+}
+
 /// A TOML text whose only value begins at byte `start`: its spans are then those of the source to which the
 /// override was appended.
 pub(super) fn padded(value: &str, start: usize) -> String {

@@ -7,6 +7,7 @@ use super::LimitError;
 use super::bodies::{Bodies, Wrench};
 use crate::assembly::ExternalLoads;
 use crate::model::Model;
+use crate::model::amplitude::Amplitude;
 use crate::model::scene::{BeamMotion, Gravity, Step};
 
 /// Action that the factor multiplies.
@@ -122,13 +123,10 @@ impl Actions {
         let outside = ExternalLoads::new(model);
         let x = &model.mesh.nodes;
         for l in 0..model.loads.len() {
-            let value = |until: usize| {
-                let steps = model.steps[..until].iter().rev();
-                let mut values = steps.filter_map(|step| step.loads.get(l).copied().flatten());
-                values.next().unwrap_or_default()
-            };
-            let after = value(at + 1);
-            let before = if loads { value(at) } else { after };
+            let carried = carried_before(model, l, at);
+            let own = model.steps[at].loads.get(l).copied().flatten();
+            let after = own.unwrap_or(carried);
+            let before = if loads { carried } else { after };
             let change = [0, 1, 2].map(|i| after[i] - before[i]);
             for (value, wrenches) in [(before, &mut self.dead), (change, &mut self.live)] {
                 let mut force = vec![[0.0; 3]; x.len()];
@@ -180,6 +178,18 @@ impl Actions {
             }
         }
     }
+}
+
+/// Load `l` when step `at` begins, as the amplitudes of the steps before leave it [N] or [MPa].
+fn carried_before(model: &Model, l: usize, at: usize) -> [f64; 3] {
+    let mut value = [0.0; 3];
+    for step in &model.steps[..at] {
+        if let Some(to) = step.loads.get(l).copied().flatten() {
+            let part = step.amplitude.as_ref().map_or(1.0, Amplitude::end);
+            value = [0, 1, 2].map(|i| value[i] + part * (to[i] - value[i]));
+        }
+    }
+    value
 }
 
 /// Acceleration of gravity when step `at` begins [mm/s²].

@@ -26,6 +26,14 @@ impl Wrench {
         }
     }
 
+    /// The opposite wrench.
+    pub fn reversed(&self) -> Self {
+        Self {
+            force: -self.force,
+            moment: -self.moment,
+        }
+    }
+
     /// Adds another wrench about the same point.
     pub fn add(&mut self, other: &Self) {
         self.force += other.force;

@@ -146,6 +146,7 @@ pub fn analyse_told(
     };
     let scene = RigidScene::of(model, (step, live), settings)?;
     let first = scene.solve(settings, &[])?;
+    scene.stands(settings, &first)?;
     let associated_factor = first.factor;
     let search = if settings.associated {
         Search::associated(first)

@@ -1,13 +1,18 @@
 //! Rigid bodies of a model with their joints, ties and actions.
 
+use nalgebra::Vector3;
+
 use super::actions::Actions;
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Wrench};
 use super::joints::Joint;
 use super::program::{Corner, Program, Solution};
 use super::rods::Rod;
 use super::unknowns::Unknowns;
 use super::{LimitError, LimitSettings, Live, Progress};
 use crate::model::Model;
+
+/// Part of the largest factor that counts as 0: the programs are solved to 1e-9.
+const ROUNDING: f64 = 1e-6;
 
 /// A scene of rigid units.
 pub struct RigidScene<'a> {
@@ -80,11 +85,50 @@ impl<'a> RigidScene<'a> {
     /// # Errors
     /// No state carries the dead loads, no factor is too large, the solver fails.
     pub fn solve(&self, settings: &LimitSettings, slips: &[f64]) -> Result<Solution, LimitError> {
+        self.solve_for(&self.actions.live, settings, slips)
+    }
+
+    /// Checks that the joints carry the dead loads without the live ones. Factors that are carried form a range; `largest`
+    /// is its upper end, and 0 must not lie below its lower one.
+    ///
+    /// # Errors
+    /// [`LimitError::FallsAt`].
+    pub fn stands(&self, settings: &LimitSettings, largest: &Solution) -> Result<(), LimitError> {
+        let least = -ROUNDING * largest.factor.abs().max(ROUNDING);
+        if largest.factor < least {
+            return Err(self.falls_at(largest));
+        }
+        let reversed: Vec<Wrench> = self.actions.live.iter().map(Wrench::reversed).collect();
+        match self.solve_for(&reversed, settings, &[]) {
+            Ok(lowest) if lowest.factor < least => Err(self.falls_at(&lowest)),
+            Err(why @ LimitError::FallsAt(_)) => Err(why),
+            // A program without an answer says nothing about factor 0.
+            Ok(_) | Err(_) => Ok(()),
+        }
+    }
+
+    /// The dead loads move the body that is fastest in this mechanism.
+    fn falls_at(&self, solution: &Solution) -> LimitError {
+        let bodies = solution.mechanism.iter().zip(&self.bodies.all);
+        let speed =
+            |moved: &[Vector3<f64>; 2]| moved[0].norm() + moved[1].norm() * self.bodies.size;
+        let fastest = bodies.max_by(|a, b| speed(a.0).total_cmp(&speed(b.0)));
+        let unit = fastest.map_or(0, |(_, body)| body.unit);
+        LimitError::FallsAt(self.model.mesh.called(unit))
+    }
+
+    /// Largest factor of these live actions.
+    fn solve_for(
+        &self,
+        live: &[Wrench],
+        settings: &LimitSettings,
+        slips: &[f64],
+    ) -> Result<Solution, LimitError> {
         let program = Program {
             bodies: &self.bodies,
             joints: &self.joints,
             corners: &self.corners,
-            loads: [&self.actions.dead, &self.actions.live],
+            loads: [&self.actions.dead, live],
             strength: settings.strength,
             rods: &self.rods,
             unknowns: &self.unknowns,

@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from wythe import _wythe
-from wythe._errors import as_path, expected
+from wythe._errors import OutputError, as_path, expected
 from wythe._frames import Floats, History
 from wythe._temporary import Temporary
 
@@ -36,6 +36,24 @@ VerdictKind = Literal[
 ]
 
 
+def _beginning(folder: str) -> tuple[int, int] | None:
+    """What changes when another run begins in a folder, and not while one goes on: the copy of its deck."""
+    try:
+        found = os.stat(os.path.join(folder, "model.toml"))
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns
+
+
+def as_height(height: object) -> float:
+    """A clear height [mm]."""
+    if isinstance(height, bool) or not isinstance(height, (int, float, np.integer, np.floating)):
+        raise expected("height", "a number above 0 [mm]", height)
+    if not (height > 0.0 and math.isfinite(height)):
+        raise ValueError(f"height: expected a number above 0, got {height}")
+    return float(height)
+
+
 class RunFigures:
     """What the summary and the history of a run tell, without its fields."""
 
@@ -43,15 +61,30 @@ class RunFigures:
         name = as_path("path", path)
         if os.path.isfile(name):
             name = os.path.dirname(name) or "."
-        self._path = name
-        self._temporary: Temporary | None = None
+        self._bind(name, None)
         # Raises an error at once if there is no history.
         self._history()
+
+    def _bind(self, folder: str, temporary: Temporary | None) -> None:
+        self._said = folder
+        self._folder = os.path.abspath(folder)
+        self._temporary = temporary
+        self._begun = _beginning(self._folder)
 
     @property
     def path(self) -> str:
         """The folder. The temporary folder of a run without ``out`` is removed together with this object."""
-        return self._path
+        return self._said
+
+    @property
+    def _path(self) -> str:
+        """The folder, as long as it holds the run that it held at first."""
+        if _beginning(self._folder) != self._begun:
+            raise OutputError(
+                f"{self._said}: another run was written into the folder, or this one was resumed; "
+                "wythe.Results(path) opens it anew"
+            )
+        return self._folder
 
     @property
     def is_temporary(self) -> bool:
@@ -189,8 +222,8 @@ class RunFigures:
             raise expected("drifts", "numbers above 0", drifts) from error
         if not all(drift > 0.0 and math.isfinite(drift) for drift in wanted):
             raise ValueError(f"drifts: expected numbers above 0, got {wanted}")
-        if height is not None and not (height > 0.0 and math.isfinite(height)):
-            raise ValueError(f"height: expected a number above 0, got {height}")
+        if height is not None:
+            height = as_height(height)
         found: list[dict[str, Any]] = json.loads(_wythe.at_drifts(self._path, wanted, height))
         return found
 

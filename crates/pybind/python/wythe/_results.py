@@ -16,7 +16,7 @@ import numpy.typing as npt
 from wythe import _wythe
 from wythe._drawing import Face, Kind, View, factor_of, plot_columns, plot_curve, seen_from
 from wythe._errors import OutputError, as_path, expected, need, unwritten, write_text
-from wythe._figures import RunFigures
+from wythe._figures import RunFigures, as_height
 from wythe._frames import Floats, Frame, Interfaces
 from wythe._grids import as_meshio, as_pyvista
 from wythe._modes import Modes, as_count
@@ -54,8 +54,7 @@ class Results(RunFigures):
     @classmethod
     def _of(cls, path: str, temporary: Temporary | None) -> Results:
         results = cls.__new__(cls)
-        results._path = path
-        results._temporary = temporary
+        results._bind(path, temporary)
         return results
 
     @cached_property
@@ -314,6 +313,8 @@ class Results(RunFigures):
         if kind not in kinds:
             raise ValueError(f"kind: expected one of {', '.join(kinds)}, got {kind!r}")
         others = against or {}
+        if not isinstance(others, Mapping) or not all(isinstance(run, Results) for run in others.values()):
+            raise expected("against", "a mapping from names to Results", against)
         runs = [(self._name(), self._path), *((name, run.path) for name, run in others.items())]
         measured = [] if experiment is None else [as_path("experiment", experiment)]
         if kind == "columns":
@@ -386,6 +387,8 @@ class Results(RunFigures):
         """Compares the run with an experiment: peaks, stiffnesses, energies, drifts, their ratios, and the
         difference of the curves. ``height`` [mm] is the clear height for drifts, by default that of the model.
         """
+        if height is not None:
+            height = as_height(height)
         found: dict[str, Any] = json.loads(
             _wythe.compare(self._path, as_path("experiment", experiment), height)
         )
@@ -479,7 +482,7 @@ class Results(RunFigures):
         return (Results, (os.path.abspath(self._path),))
 
     def __repr__(self) -> str:
-        return f"<wythe.Results {self._name()!r}: {self._in_a_line()}; {self._path}>"
+        return f"<wythe.Results {self._name()!r}: {self._in_a_line()}; {self.path}>"
 
     def _repr_html_(self) -> str:
         line = html.escape(repr(self)[1:-1])

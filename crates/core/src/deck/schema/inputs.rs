@@ -9,12 +9,17 @@ impl Deck {
     /// The file of the deck itself, if it was read from one, the files that it names, and the files that its meshes
     /// include.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let named = self.named_files();
-        let included = named.iter().flat_map(|file| included(file));
         let mut inputs = vec![PathBuf::from(&self.source.file)];
-        inputs.extend(included);
-        inputs.extend(named);
+        inputs.extend(self.other_files());
         inputs
+    }
+
+    /// The files that the deck names, and those that its meshes include.
+    pub fn other_files(&self) -> Vec<PathBuf> {
+        let named = self.named_files();
+        let mut files: Vec<PathBuf> = named.iter().flat_map(|file| included(file)).collect();
+        files.extend(named);
+        files
     }
 
     /// Files that the deck names, with the folder to which they are relative.

@@ -294,7 +294,13 @@ impl Deck {
         let mut errors: Vec<ModelError> = syntax.iter().map(|e| source.syntax_error(e)).collect();
         let no_toml: Vec<_> = errors.iter().map(ModelError::line).collect();
         for (i, ((key, _), (start, padded))) in overrides.iter().zip(&padded).enumerate() {
-            let set = bounds::judge_path(key).and_then(|()| {
+            let excluded = overrides::excluded(&overrides[..=i]).map(|other| {
+                format!(
+                    "`{other}` is set as well, and the keys exclude each other: set one of them"
+                )
+            });
+            let set = bounds::judge_path(key).and_then(|()| excluded.map_or(Ok(()), Err));
+            let set = set.and_then(|()| {
                 let value = overrides::parse(padded, *start);
                 overrides::set(root.get_mut(), key, source.override_key(i).start, value)
             });

@@ -83,16 +83,15 @@ impl Moved {
 }
 
 impl Run<'_> {
-    /// Notes the present equilibrium, from which inertia takes over at this part of the loads. Loads that the step has
-    /// carried before count on: a path beyond their peak leads to lower ones.
+    /// Notes the present equilibrium, from which inertia takes over at this part of the loads. Loads that statics carried
+    /// before count on: a path beyond their peak leads to lower ones.
     pub(in crate::solve) fn depart(&mut self, step_run: &StepRun, load_factor: f64) {
         let sense = step_run.sense();
-        let before = self.last_equilibrium.as_ref();
-        let carried = before
-            .filter(|last| last.step == step_run.index && !prescribes(step_run.step))
-            .map_or(load_factor, |last| {
-                sense * (sense * load_factor).max(sense * last.load_factor)
-            });
+        let carried = if prescribes(step_run.step) {
+            load_factor
+        } else {
+            sense * (sense * load_factor).max(step_run.carried)
+        };
         self.note_equilibrium(step_run.index, carried);
     }
 

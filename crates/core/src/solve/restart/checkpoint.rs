@@ -76,6 +76,7 @@ struct Mark {
     path_measure: PathMeasure,
     row: usize,
     load: f64,
+    carried_loads: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
     peak: PeakWatch,
@@ -236,6 +237,7 @@ impl<'m> Run<'m> {
                 path_measure: step_run.path.measure.clone(),
                 row: step_run.branch.index,
                 load: step_run.load,
+                carried_loads: step_run.carried,
                 beyond: step_run.snap.beyond,
                 watch: step_run.watch.clone(),
                 peak: step_run.peak,
@@ -348,6 +350,7 @@ impl<'m> Run<'m> {
         let measure = mark.path_measure.of_step(&step_run.path.measure, slots);
         step_run.path.measure = measure.ok_or(unfit("the path is measured by other sizes"))?;
         (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
+        step_run.carried = mark.carried_loads;
         (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
         step_run.peak = mark.peak;
         step_run.snap.relaxations = mark.relaxations;

@@ -337,15 +337,6 @@ impl Fallback {
         true
     }
 
-    /// Largest part of the loads in equilibrium before the first method was left, at `load` now.
-    pub fn carried(&self, load: f64) -> f64 {
-        if self.at == 0 {
-            load
-        } else {
-            load.max(self.left_at)
-        }
-    }
-
     /// Changes to the next method, at part `load` of the loads. A free body needs inertia.
     pub fn take_next(&mut self, rejection: &Rejection, load: f64) {
         self.stalls = 0;

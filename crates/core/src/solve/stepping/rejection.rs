@@ -135,11 +135,9 @@ impl Run<'_> {
 
     /// Lets inertia carry the bodies from the present equilibrium, by increments of this size at first.
     pub(super) fn begin_inertia(&mut self, step_run: &mut StepRun, size: f64) {
-        let sense = step_run.sense();
-        let carried = step_run.fallback.carried(sense * step_run.load);
-        self.depart(step_run, sense * carried);
+        self.depart(step_run, step_run.load);
         let steers = step_run.step.control.is_some();
-        self.carry_momentum(if steers { 0.0 } else { sense });
+        self.carry_momentum(if steers { 0.0 } else { step_run.sense() });
         self.state.last = None;
         step_run.schedule.resume(size);
     }

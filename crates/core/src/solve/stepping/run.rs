@@ -313,6 +313,9 @@ impl<'m> Run<'m> {
         let size = request.increment.size;
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
+        if !request.method.has_inertia() {
+            step_run.carried = step_run.carried.max(step_run.sense() * step_run.load);
+        }
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
         let carried = self.count(step_run, request.method, &row);
@@ -480,6 +483,7 @@ impl<'m> Run<'m> {
             }
             return;
         }
+        step_run.carried = f64::NEG_INFINITY;
         // Where loads reverse, the last increment does not predict the next.
         self.state.last = None;
         step_run.path.measure.forget();

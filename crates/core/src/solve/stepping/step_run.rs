@@ -27,6 +27,8 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) branch: BranchRun,
     /// Part of the step's loads that acts now.
     pub(in crate::solve) load: f64,
+    /// Largest part that statics carried on this branch, counted in the sense in which it changes.
+    pub(in crate::solve) carried: f64,
     pub(in crate::solve) attempts: Attempts,
     /// Whether the next increment starts by repeating the last one.
     pub(in crate::solve) repeat: bool,
@@ -166,6 +168,7 @@ impl<'m> StepRun<'m> {
                 of: step.branch(0),
             },
             load: 0.0,
+            carried: f64::NEG_INFINITY,
             attempts: Attempts::default(),
             repeat: true,
             watch: None,

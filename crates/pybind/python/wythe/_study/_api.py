@@ -281,14 +281,43 @@ def _header(model: Any, samples: list[Sample], measure: Any) -> Header:
 
 def _identity(thing: Any) -> str:
     """Identity of a model or a function: its name and a hash of its content."""
-    if hasattr(thing, "to_toml"):
-        return f"model {hashlib.sha256(thing.to_toml().encode()).hexdigest()}"
     digest = hashlib.sha256()
+    if hasattr(thing, "to_toml"):
+        digest.update(thing.to_toml().encode())
+        _take_files(digest, thing)
+        return f"model {digest.hexdigest()}"
     # The hash covers the source of a function and the data of a callable object.
     of = thing.func if isinstance(thing, functools.partial) else thing
     with contextlib.suppress(OSError, TypeError):
         digest.update(inspect.getsource(of if inspect.isroutine(of) else type(of)).encode())
     with contextlib.suppress(Exception):
         digest.update(pickle.dumps(thing, protocol=4))
+    _take_surroundings(digest, of)
     name = getattr(of, "__qualname__", type(of).__qualname__)
     return f"{name} {digest.hexdigest()}"
+
+
+def _take_files(digest: Any, model: Any) -> None:
+    """Adds the content of the files that the deck of a model names."""
+    for file in getattr(model, "_files", list)():
+        with contextlib.suppress(OSError):
+            digest.update(Path(file).read_bytes())
+
+
+def _take_surroundings(digest: Any, function: Any) -> None:
+    """Adds the values of a function's closure and of the globals that it uses, as far as they can be written down."""
+    if not inspect.isfunction(function):
+        return
+    around = inspect.getclosurevars(function)
+    for name, value in sorted({**around.globals, **around.nonlocals}.items()):
+        if inspect.ismodule(value):
+            continue
+        digest.update(name.encode())
+        if hasattr(value, "to_toml"):
+            digest.update(value.to_toml().encode())
+            _take_files(digest, value)
+            continue
+        with contextlib.suppress(OSError, TypeError):
+            digest.update(inspect.getsource(value).encode())
+        with contextlib.suppress(Exception):
+            digest.update(pickle.dumps(value, protocol=4))
