@@ -9,6 +9,7 @@ mod light_bodies;
 mod loads;
 mod oscillators;
 mod paths;
+mod pulled_solids;
 mod relaxation;
 mod resume;
 mod settlements;

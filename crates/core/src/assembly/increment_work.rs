@@ -53,7 +53,7 @@ const CHANGES: f64 = 1e-6;
 pub struct Works {
     /// Of the whole way Δg and Δε.
     pub whole: [f64; PARTS.len()],
-    /// Of the inelastic part of the way, Δg − k⁻¹Δt and Δε − C⁻¹Δσ.
+    /// Of the way Δg and of the inelastic part of the other, Δε − C⁻¹Δσ.
     pub inelastic: [f64; PARTS.len()],
 }
 
@@ -86,10 +86,6 @@ impl Contact {
             let gap = |h: &wythe_contact::InterfaceHistory| [h.opening, h.slip[0], h.slip[1]];
             let (from, to) = (gap(old), gap(new));
             let way = [0, 1, 2].map(|i| to[i] - from[i]);
-            let [normal, shear] = law.stiffness();
-            let stiffness = [normal, shear, shear];
-            let inelastic =
-                [0, 1, 2].map(|i| way[i] - (new.traction[i] - old.traction[i]) / stiffness[i]);
             let area = self.points[p].area;
             for (k, s) in PARTS.into_iter().enumerate() {
                 let at = [0, 1, 2].map(|i| from[i] + s * way[i]);
@@ -97,13 +93,13 @@ impl Contact {
                 // Tractions of the commits are used here. With the shifted penalty the law at their gaps gives
                 // slightly different ones.
                 let line = |i: usize| old.traction[i] + s * (new.traction[i] - old.traction[i]);
-                let along = |way: &[f64; 3]| {
-                    (0..3)
+                let work = area
+                    * (0..3)
                         .map(|i| (traction[i] - line(i)) * way[i])
-                        .sum::<f64>()
-                };
-                sum.whole[k] += area * along(&way);
-                sum.inelastic[k] += area * along(&inelastic);
+                        .sum::<f64>();
+                // The stiffness of the scene contains that of its joints.
+                sum.whole[k] += work;
+                sum.inelastic[k] += work;
             }
         })
     }

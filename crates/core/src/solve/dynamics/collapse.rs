@@ -90,7 +90,7 @@ impl Run<'_> {
         let carried = if prescribes(step_run.step) {
             load_factor
         } else {
-            sense * (sense * load_factor).max(step_run.carried)
+            sense * (sense * load_factor).max(step_run.branch.carried)
         };
         self.note_equilibrium(step_run.index, carried);
     }

@@ -74,15 +74,15 @@ struct Mark {
     schedule: Schedule,
     fallback: Fallback,
     path_measure: PathMeasure,
-    row: usize,
+    /// Row of the amplitude, and the largest part of the loads that statics carried on the way to it.
+    row: (usize, f64),
     load: f64,
-    carried_loads: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
     peak: PeakWatch,
     relaxations: Relaxations,
-    damage_rate: f64,
-    takes: f64,
+    /// Largest rate of damage [1/s], and the number of increments that follows from it.
+    damage_bound: [f64; 2],
     stopped: bool,
     held: usize,
 }
@@ -235,15 +235,13 @@ impl<'m> Run<'m> {
                 schedule: step_run.schedule.clone(),
                 fallback: step_run.fallback.clone(),
                 path_measure: step_run.path.measure.clone(),
-                row: step_run.branch.index,
+                row: (step_run.branch.index, step_run.branch.carried),
                 load: step_run.load,
-                carried_loads: step_run.carried,
                 beyond: step_run.snap.beyond,
                 watch: step_run.watch.clone(),
                 peak: step_run.peak,
                 relaxations: step_run.snap.relaxations,
-                damage_rate: step_run.snap.damage_rate,
-                takes: step_run.snap.takes,
+                damage_bound: [step_run.snap.damage_rate, step_run.snap.takes],
                 stopped: step_run.stopped,
                 held: step_run.held,
             },
@@ -328,7 +326,8 @@ impl<'m> Run<'m> {
         let step = model.steps.get(mark.index);
         let step = step.ok_or(unfit("there is no such step"))?;
         let slots = self.system.dofs.slots;
-        self.system.bulk.stabilise(step.viscosity, mark.damage_rate);
+        let [damage_rate, _] = mark.damage_bound;
+        self.system.bulk.stabilise(step.viscosity, damage_rate);
         self.system.steered = steered(model, step);
         let mut newton = Newton::new(model, step, &self.system, &self.state);
         let stopped = mark.is_stopped_in(step);
@@ -338,10 +337,11 @@ impl<'m> Run<'m> {
         let has_mass = self.massless(step).is_none();
         let fallback = mark.fallback.of_step(model, step, has_mass);
         let fallback = fallback.ok_or(unfit("the step has other methods"))?;
-        if mark.row >= step.branches() {
+        let (row, carried) = mark.row;
+        if row >= step.branches() {
             return Err(unfit("the amplitude of the step has fewer rows"));
         }
-        let branch = step.branch(mark.row);
+        let branch = step.branch(row);
         let choice = fallback.choice();
         newton.rejoin(choice, branch.slope(), &self.system, &self.state);
         let mut step_run = StepRun::new(newton, fallback, mark.index, step);
@@ -350,11 +350,11 @@ impl<'m> Run<'m> {
         let measure = mark.path_measure.of_step(&step_run.path.measure, slots);
         step_run.path.measure = measure.ok_or(unfit("the path is measured by other sizes"))?;
         (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
-        step_run.carried = mark.carried_loads;
-        (step_run.branch.index, step_run.branch.of) = (mark.row, branch);
+        step_run.branch.carried = carried;
+        (step_run.branch.index, step_run.branch.of) = (row, branch);
         step_run.peak = mark.peak;
         step_run.snap.relaxations = mark.relaxations;
-        (step_run.snap.damage_rate, step_run.snap.takes) = (mark.damage_rate, mark.takes);
+        [step_run.snap.damage_rate, step_run.snap.takes] = mark.damage_bound;
         step_run.watch = Watch::new(&model.steps, step, 0.0, self.part.wholes());
         match (&mut step_run.watch, &mark.watch) {
             (Some(watch), Some(earlier)) => watch.go_on(earlier),

@@ -17,8 +17,9 @@ pub(in crate::solve) const SNAPS_TAKE: f64 = 4.0;
 const SOONER: f64 = 0.25;
 /// Number below which the rate has no bound.
 const SOONEST: f64 = 0.01;
-/// Largest part of the force that lagging damage may carry.
-const CARRIES: f64 = 0.02;
+/// Largest part of the largest force that lagging damage may carry: in an increment with a larger force than all before,
+/// and in any other.
+const CARRIES: [f64; 2] = [0.02, 0.1];
 
 impl<'m> Run<'m> {
     /// Bounds the rate of damage from now on, if a displacement is driven: loads would go on to grow while damage lags.
@@ -60,7 +61,8 @@ impl<'m> Run<'m> {
         let dt = request.increment.size * step_run.step.duration;
         let work = self.system.work_of_lag(&self.state, &self.trial, dt);
         let carried = (passage.by_work * work).abs();
-        if carried <= CARRIES * step_run.peak.most().max(passage.force.abs()) {
+        let (most, force) = (step_run.peak.most(), passage.force.abs());
+        if carried <= CARRIES[usize::from(force < most)] * most.max(force) {
             return false;
         }
         let takes = SOONER * step_run.snap.takes;

@@ -314,7 +314,8 @@ impl<'m> Run<'m> {
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
         if !request.method.has_inertia() {
-            step_run.carried = step_run.carried.max(step_run.sense() * step_run.load);
+            let load = step_run.sense() * step_run.load;
+            step_run.branch.carried = step_run.branch.carried.max(load);
         }
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
@@ -483,7 +484,7 @@ impl<'m> Run<'m> {
             }
             return;
         }
-        step_run.carried = f64::NEG_INFINITY;
+        step_run.branch.carried = f64::NEG_INFINITY;
         // Where loads reverse, the last increment does not predict the next.
         self.state.last = None;
         step_run.path.measure.forget();

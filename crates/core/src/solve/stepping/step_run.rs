@@ -27,8 +27,6 @@ pub(in crate::solve) struct StepRun<'m> {
     pub(in crate::solve) branch: BranchRun,
     /// Part of the step's loads that acts now.
     pub(in crate::solve) load: f64,
-    /// Largest part that statics carried on this branch, counted in the sense in which it changes.
-    pub(in crate::solve) carried: f64,
     pub(in crate::solve) attempts: Attempts,
     /// Whether the next increment starts by repeating the last one.
     pub(in crate::solve) repeat: bool,
@@ -57,6 +55,8 @@ pub(in crate::solve) struct BranchRun {
     /// Index among the branches of the step.
     pub(in crate::solve) index: usize,
     pub(in crate::solve) of: Branch,
+    /// Largest part of the loads that statics carried on it, counted in the sense in which it changes.
+    pub(in crate::solve) carried: f64,
 }
 
 /// Attempts since the last commit.
@@ -166,9 +166,9 @@ impl<'m> StepRun<'m> {
             branch: BranchRun {
                 index: 0,
                 of: step.branch(0),
+                carried: f64::NEG_INFINITY,
             },
             load: 0.0,
-            carried: f64::NEG_INFINITY,
             attempts: Attempts::default(),
             repeat: true,
             watch: None,
