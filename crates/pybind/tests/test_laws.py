@@ -227,3 +227,11 @@ def test_wrong_arguments_are_named() -> None:
         JointLaw("stiff", lambda g, p, s, k: (elastic(g, p, s, k)[0], np.eye(3))).check(
             stiffness=STIFFNESS
         )
+
+
+def test_a_solid_law_is_never_left_out_without_a_word() -> None:
+    text = (ROOT / "examples" / "02_couplet_shear.toml").read_text()
+    model = wythe.Model.from_toml(text).with_({"fidelity": "elastic"})
+    name = next(iter(model.to_dict()["materials"]))
+    with pytest.raises(ValueError, match="solids stay linear elastic"):
+        model.run(laws={name: VON_MISES})

@@ -195,3 +195,11 @@ def test_numbers_come_through_to_the_last_bit() -> None:
         made = wythe.Model.from_dict(deck).to_dict()["interfaces"]["joint"]["f_t"]
         said = model.with_({"interfaces.joint.f_t": value}).to_dict()["interfaces"]["joint"]["f_t"]
         assert made == said == value
+
+
+def test_keys_that_exclude_each_other_are_not_both_set() -> None:
+    model = wythe.templates.couplet()
+    one = model.with_({"interfaces.joint.G_I": "0.02 N/mm"})
+    assert one.with_({"interfaces.joint.u_k": "0.1 mm"}).to_toml() != one.to_toml()
+    with pytest.raises(wythe.ModelError, match="the keys exclude each other"):
+        model.with_({"interfaces.joint.u_k": "0.1 mm", "interfaces.joint.G_I": "0.02 N/mm"})

@@ -206,3 +206,32 @@ def test_results_can_be_pickled(couplet: wythe.Results) -> None:
     again = pickle.loads(pickle.dumps(couplet))
     assert again.path == couplet.path
     assert (again.frame(3).stress == couplet.frame(3).stress).all()
+
+
+def test_results_know_their_run(model: wythe.Model, tmp_path: Path) -> None:
+    first = model.run(tmp_path / "out")
+    peak = first.peak_force
+    second = model.with_({"interfaces.joint.f_t": "1 MPa"}).run(tmp_path / "out")
+    assert first.peak_force == peak != second.peak_force
+    with pytest.raises(wythe.OutputError, match="another run was written into the folder"):
+        _ = first.history
+    assert wythe.Results(tmp_path / "out").peak_force == second.peak_force
+
+
+def test_results_are_read_from_any_working_folder(
+    model: wythe.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run = model.run("out")
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    assert run.path == "out"
+    assert len(run.history["force_kN"]) == run.summary["increments"]
+
+
+@pytest.mark.parametrize("height", [-1.0, 0.0, math.nan])
+def test_heights_are_positive(couplet: wythe.Results, height: float) -> None:
+    with pytest.raises(ValueError, match="height: expected a number above 0"):
+        couplet.compare(Path(couplet.path) / "history.csv", height=height)
+    with pytest.raises(TypeError, match="height: expected a number above 0"):
+        couplet.compare(Path(couplet.path) / "history.csv", height="1 m")  # type: ignore[arg-type]

@@ -259,3 +259,34 @@ def test_runs_are_kept_under_the_numbers_of_their_samples(
     assert (table.run_folder(3) / "summary.json").is_file()
     with pytest.raises(StudyError, match="the run of sample 2 was not kept"):
         table.run_folder(2)
+
+
+def test_what_surrounds_a_measure_belongs_to_its_study(pool: ThreadPoolExecutor, tmp_path: Path) -> None:
+    def scaled(by: float) -> Any:
+        def measure(results: Any) -> dict[str, float]:
+            return {"scaled": by * results.summary["peak_force_kN"]}
+
+        return measure
+
+    def done(by: float) -> Study:
+        out = tmp_path / "out"
+        return study(FakeModel(), GRID, executor=pool, out=out, progress=False, measure=scaled(by))
+
+    first = list(done(2.0))
+    assert list(done(2.0)) == first
+    with pytest.raises(StudyError, match="measure"):
+        done(3.0)
+
+
+def test_files_of_a_deck_belong_to_its_study(tmp_path: Path) -> None:
+    deck, table = tmp_path / "deck.toml", tmp_path / "way.csv"
+    table.write_text("0,0\n1,1\n")
+    deck.write_text(wythe.templates.couplet("0.02 mm").with_({"steps.1.amplitude": [[0, 0], [1, 1]]}).to_toml())
+    model = wythe.Model.from_toml(deck).with_({"steps.1.amplitude": "way.csv"})
+    keys = {"interfaces.joint.f_t": ["2.5 MPa", "3 MPa"]}
+    first = study(model, keys, out=tmp_path / "out", progress=False, executor=1)
+    again = study(model, keys, out=tmp_path / "out", progress=False, executor=1)
+    assert list(again) == list(first)
+    table.write_text("0,0\n1,0.5\n")
+    with pytest.raises(StudyError, match="another model"):
+        study(model, keys, out=tmp_path / "out", progress=False, executor=1)
