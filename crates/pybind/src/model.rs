@@ -149,14 +149,6 @@ impl Deck {
         self.said.other_files()
     }
 
-    /// Columns of the probes in the history; empty if the model cannot be built.
-    fn probe_columns(&self, py: Python<'_>) -> Vec<String> {
-        match &*self.built(py) {
-            Ok((model, _)) => model.probes.iter().map(|p| p.column.clone()).collect(),
-            Err(_) => Vec::new(),
-        }
-    }
-
     /// The steps as in the deck.
     fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = serde_json::to_string(&self.said.steps);

@@ -14,6 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
 use wythe_core::results::estimate::{self, Prepared};
@@ -210,6 +211,7 @@ fn record<'py>(
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
 ) -> PyResult<()> {
     let pool = pool(listener.threads)?;
+    let columns = model.columns();
     let stop = AtomicBool::new(false);
     let (events, told) = channel();
     let (answer, answers) = channel();
@@ -225,7 +227,7 @@ fn record<'py>(
             // The sink is dropped here, which ends the listener.
             (ended, sink.directory)
         });
-        let raised = listen(py, listener, told, &answer, &stop);
+        let raised = listen(py, (listener, &columns), told, &answer, &stop);
         let joined = py.detach(|| solving.join());
         joined
             .map(|(ended, directory)| (ended, directory, raised))
@@ -320,7 +322,7 @@ fn companion_solved(
 /// Serves callbacks and checks signals until the solver closes the channel; returns the first exception.
 fn listen(
     py: Python<'_>,
-    listener: &Listener<'_>,
+    (listener, columns): (&Listener<'_>, &[String]),
     mut told: Receiver<Event>,
     answer: &Sender<bool>,
     stop: &AtomicBool,
@@ -335,7 +337,7 @@ fn listen(
         match event {
             Ok(Event::Row(row)) => {
                 outcome = match &listener.on_row {
-                    Some(on_row) if raised.is_none() => show(py, on_row, &row),
+                    Some(on_row) if raised.is_none() => show(py, on_row, &row, columns),
                     _ => Ok(raised.is_none()),
                 };
                 // The solver waits for the answer or has ended.
@@ -361,10 +363,18 @@ fn listen(
     }
 }
 
-/// Calls the callback with an increment; returns whether to continue.
-fn show(py: Python<'_>, on_row: &Bound<'_, PyAny>, row: &HistoryRow) -> PyResult<bool> {
+/// Calls the callback with an increment and the values of its further columns by name; returns whether to continue.
+fn show(
+    py: Python<'_>,
+    on_row: &Bound<'_, PyAny>,
+    row: &HistoryRow,
+    columns: &[String],
+) -> PyResult<bool> {
     let text = serde_json::to_string(row)
         .map_err(|error| errors::bug(&format!("an increment as JSON: {error}")))?;
-    let row = (from_json(py, &text)?, row.probes.clone());
-    on_row.call1(row)?.extract()
+    let values = PyDict::new(py);
+    for (name, value) in columns.iter().zip(&row.probes) {
+        values.set_item(name, value)?;
+    }
+    on_row.call1((from_json(py, &text)?, values))?.extract()
 }

@@ -276,3 +276,12 @@ def test_wrong_arguments_are_named(
     with pytest.raises((TypeError, ValueError)) as raised:
         model.run(**arguments)
     assert str(raised.value) == told
+
+
+def test_a_callback_sees_all_columns(model: wythe.Model, tmp_path: Path) -> None:
+    seen: list[dict[str, float]] = []
+    run = model.run(tmp_path / "out", callback=lambda row: seen.append(dict(row.probes)))
+    assert list(seen[-1]) == list(run.history.probes)
+    assert "base_shear_kN" in seen[-1]
+    for name, value in seen[-1].items():
+        assert value == pytest.approx(run.history[name][-1], rel=1e-12), name

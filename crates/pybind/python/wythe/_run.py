@@ -25,7 +25,8 @@ __all__ = ["Increment"]
 class Increment:
     """A converged increment, passed to the callback of a run. Units are in the names.
 
-    The attributes are the columns of ``history.csv``; ``probes`` has the columns of the probes by name.
+    The attributes are the columns of ``history.csv`` that every run has; ``probes`` has the further ones by name: of
+    probes, loads, ties, sections, reactions and the base shear.
     """
 
     increment: int
@@ -137,15 +138,15 @@ def _cores() -> int:
 
 
 def _listeners(
-    callback: Callback | None, follower: Follower | None, probes: list[str]
-) -> tuple[Callable[[dict[str, Any], list[float]], bool] | None, Callable[[str], None] | None]:
+    callback: Callback | None, follower: Follower | None
+) -> tuple[Callable[[dict[str, Any], dict[str, float]], bool] | None, Callable[[str], None] | None]:
     if callback is not None and not callable(callback):
         raise expected("callback", "a function of an Increment", callback)
     if callback is None and follower is None:
         return None, None
 
-    def on_row(row: dict[str, Any], values: list[float]) -> bool:
-        increment = Increment(**row, probes=dict(zip(probes, values)))
+    def on_row(row: dict[str, Any], columns: dict[str, float]) -> bool:
+        increment = Increment(**row, probes=columns)
         if follower is not None:
             follower.show(increment)
         answer = True if callback is None else callback(increment)
@@ -172,9 +173,7 @@ def run_deck(
         raise ValueError("error: not with laws of your own, which the companions of the run do not have")
     count = _threads(threads)
     follower = _follower(deck, progress)
-    watched = callback is not None or follower is not None
-    probes = deck.probe_columns() if watched else []
-    on_row, on_note = _listeners(callback, follower, probes)
+    on_row, on_note = _listeners(callback, follower)
     temporary = None
     if out is None:
         temporary = Temporary()
@@ -203,8 +202,7 @@ def resume_run(
     follower = None
     if text is not None and progress:
         follower = _follower(_wythe.Deck.read(text, False, None, []), progress)
-    probes = list(results.history.probes)
-    on_row, on_note = _listeners(callback, follower, probes)
+    on_row, on_note = _listeners(callback, follower)
     return _ended(
         results.path,
         results._temporary,

@@ -19,7 +19,7 @@ const SOONER: f64 = 0.25;
 const SOONEST: f64 = 0.01;
 /// Largest part of the largest force that lagging damage may carry: in an increment with a larger force than all before,
 /// and in any other.
-const CARRIES: [f64; 2] = [0.02, 0.1];
+const CARRIES: [f64; 2] = [0.02, 0.5];
 
 impl<'m> Run<'m> {
     /// Bounds the rate of damage from now on, if a displacement is driven: loads would go on to grow while damage lags.
