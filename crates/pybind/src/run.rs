@@ -284,7 +284,7 @@ pub fn estimate_error<'py>(
             let mut solve = |companion| companion_solved(companion, &events, stop);
             pool.install(|| estimate::estimate_error(folder, of_run, &mut solve))
         });
-        let raised = listen(py, &listener, told, &answer, stop);
+        let raised = listen(py, (&listener, &[]), told, &answer, stop);
         let joined = py.detach(|| solving.join());
         joined
             .map(|ended| (ended, raised))
