@@ -232,7 +232,7 @@ class Model:
         said = _overrides("with_", kept)
         return type(self)._of(_wythe.Deck.read(text, False, str(self._deck.folder), said))
 
-    def _files(self) -> list[str]:
+    def _named_files(self) -> list[str]:
         """Files that the deck names, and those that its meshes include."""
         return [os.fspath(file) for file in self._deck.files()]
 

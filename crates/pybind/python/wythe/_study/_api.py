@@ -299,7 +299,7 @@ def _identity(thing: Any) -> str:
 
 def _take_files(digest: Any, model: Any) -> None:
     """Adds the content of the files that the deck of a model names."""
-    for file in getattr(model, "_files", list)():
+    for file in getattr(model, "_named_files", list)():
         with contextlib.suppress(OSError):
             digest.update(Path(file).read_bytes())
 
