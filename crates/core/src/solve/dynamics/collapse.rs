@@ -177,6 +177,27 @@ impl Run<'_> {
         collapsed
     }
 
+    /// Whether bodies gain speed under loads that stay when no further increment is found, as where elements are crushed
+    /// to nothing; sets status and fall if so.
+    pub(in crate::solve) fn falls_to_the_end(&mut self, step_run: &StepRun) -> bool {
+        let energies = self.state.energies;
+        let step = step_run.step;
+        let hastens = self
+            .last_equilibrium
+            .as_ref()
+            .is_some_and(|last| last.hastens);
+        let flies = hastens && energies.kinetic > ACCELERATES * energies.elastic;
+        if !flies || !step.procedure.seeks_equilibrium() || prescribes(step) {
+            return false;
+        }
+        let Some((bodies, driven)) = self.moved(step_run.index) else {
+            return false;
+        };
+        self.summary.status = Status::Collapsed;
+        self.summary.fall = self.fall((step_run.index, step_run.load), &bodies, driven);
+        true
+    }
+
     /// Reports a collapse during the run.
     pub(in crate::solve) fn report_collapse(
         &mut self,

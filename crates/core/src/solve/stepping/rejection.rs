@@ -146,6 +146,9 @@ impl Run<'_> {
     fn give_up(&mut self, step_run: &StepRun, request: IncrementRequest, rejection: &Rejection) {
         self.summary.iterations += step_run.attempts.solves;
         self.tally(&step_run.newton);
+        if self.falls_to_the_end(step_run) {
+            return;
+        }
         self.summary.status = Status::NotConverged;
         let (message, lost) =
             explain::explain(self.model, &self.part, step_run, request, rejection);
