@@ -157,12 +157,19 @@ impl Bulk {
         }
     }
 
-    /// The laws without a bound on the rate of damage.
+    /// Whether a viscosity acts in any solid.
+    pub fn is_viscous(&self) -> bool {
+        self.laws
+            .iter()
+            .any(|law| matches!(law, Material::DamagePlasticity(law) if law.is_viscous()))
+    }
+
+    /// The laws without viscosity and without a bound on the rate of damage.
     pub(super) fn prompt_laws(&self) -> Vec<Material> {
         let mut laws = self.laws.clone();
         for law in &mut laws {
             if let Material::DamagePlasticity(law) = law {
-                law.stabilise(0.0, f64::INFINITY);
+                law.make_prompt();
             }
         }
         laws

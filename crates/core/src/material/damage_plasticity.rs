@@ -105,6 +105,16 @@ impl DamagePlasticity {
         self.damage_rate = damage_rate;
     }
 
+    /// Removes all viscosity, that of the material too, and the limit on the rate of damage.
+    pub fn make_prompt(&mut self) {
+        (self.viscosity, self.damage_rate) = (0.0, f64::INFINITY);
+    }
+
+    /// Whether a viscosity acts.
+    pub fn is_viscous(&self) -> bool {
+        self.viscosity > 0.0
+    }
+
     /// Elastic parameters.
     pub fn elastic(&self) -> &ElasticParameters {
         &self.elastic

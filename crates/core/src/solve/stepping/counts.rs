@@ -81,7 +81,7 @@ impl Swings {
     }
 }
 
-/// Part of the peak by which a force that inertia carries may exceed it unreported [-].
+/// Part of the peak by which a force that inertia carries may exceed it, or that viscosity may carry, unreported [-].
 const EXCESS: f64 = 0.02;
 
 /// Force that inertia carries over the peak from which it is an artefact [-].
@@ -97,20 +97,37 @@ pub struct Carried {
     most: f64,
     displacement: f64,
     step: usize,
+    /// Part of the largest force in equilibrium that viscosity carries [-], and its step.
+    viscous: (f64, usize),
 }
 
 impl Carried {
-    /// Adds a committed increment; `has_inertia` if `auto` solved it with inertia. Returns whether inertia carries its
-    /// force.
-    pub fn add(&mut self, row: &HistoryRow, has_inertia: bool) -> bool {
+    /// Adds a committed increment; `has_inertia` if `auto` solved it with inertia; `viscous`: part of its force that
+    /// viscosity carries. Returns whether inertia carries its force.
+    pub fn add(&mut self, row: &HistoryRow, has_inertia: bool, viscous: f64) -> bool {
         let moving = self.motion.follow(row, has_inertia);
         let force = row.force_kN.abs();
         if !moving {
+            if force > self.peak {
+                self.viscous = (viscous, row.step);
+            }
             self.peak = self.peak.max(force);
         } else if force > self.most {
             (self.most, self.displacement, self.step) = (force, row.displacement_mm, row.step);
         }
         moving
+    }
+
+    /// Warning, if viscosity carries much of the largest force.
+    pub fn viscous_warning(&self) -> Option<String> {
+        let (part, step) = self.viscous;
+        (part > EXCESS).then(|| {
+            format!(
+                "viscosity carries about {:.0} % of the largest force, in steps.{step}: a smaller `viscosity`, or none, \
+                 gives the force of the wall itself",
+                100.0 * part.min(1.0)
+            )
+        })
     }
 
     /// Whether inertia drove the force beyond all bounds: no fall needs it.

@@ -4,6 +4,7 @@
 //! than a small part of the force, the bound is loosened and the increment repeated, so that no force is reported that
 //! only lagging damage carries.
 
+use super::peak_control::Passage;
 use super::run::{CUT, Run};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::solve::increment::outcome::Report;
@@ -55,12 +56,9 @@ impl<'m> Run<'m> {
         if step_run.snap.damage_rate.is_infinite() || request.method != Method::Static {
             return false;
         }
-        let Some(passage) = self.passage(step_run, request, report) else {
+        let Some((passage, carried)) = self.carried_by_lag(step_run, request, report) else {
             return false;
         };
-        let dt = request.increment.size * step_run.step.duration;
-        let work = self.system.work_of_lag(&self.state, &self.trial, dt);
-        let carried = (passage.by_work * work).abs();
         let (most, force) = (step_run.peak.most(), passage.force.abs());
         if carried <= CARRIES[usize::from(force < most)] * most.max(force) {
             return false;
@@ -71,6 +69,35 @@ impl<'m> Run<'m> {
         let size = size.max(step_run.step.increments.min);
         step_run.schedule.resume(size);
         true
+    }
+
+    /// Data of the increment that ends at the trial, and the force that its lagging damage carries; none without drive or
+    /// steering.
+    fn carried_by_lag(
+        &self,
+        step_run: &StepRun,
+        request: IncrementRequest,
+        report: Report,
+    ) -> Option<(Passage, f64)> {
+        let passage = self.passage(step_run, request, report)?;
+        let dt = request.increment.size * step_run.step.duration;
+        let work = self.system.work_of_lag(&self.state, &self.trial, dt);
+        let carried = (passage.by_work * work).abs();
+        Some((passage, carried))
+    }
+
+    /// Part of the force at the end of the trial that viscosity carries, if it is larger than all before; else 0.
+    pub(super) fn viscous_share(
+        &self,
+        step_run: &StepRun,
+        request: IncrementRequest,
+        report: Report,
+    ) -> f64 {
+        let rises = |passage: &Passage| passage.force.abs() > step_run.peak.most();
+        let is_viscous = self.system.bulk.is_viscous();
+        let found = is_viscous.then(|| self.carried_by_lag(step_run, request, report));
+        let found = found.flatten().filter(|(passage, _)| rises(passage));
+        found.map_or(0.0, |(passage, carried)| carried / passage.force.abs())
     }
 
     /// Removes the bound when no damage lags behind any more.

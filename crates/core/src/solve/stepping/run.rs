@@ -174,6 +174,7 @@ impl<'m> Run<'m> {
         self.summary.warnings.extend(self.swings.warning());
         let whole = self.part.wholes();
         self.summary.warnings.extend(self.carried.warning(whole));
+        self.summary.warnings.extend(self.carried.viscous_warning());
         self.summary.warnings.extend(self.energy_watch.warning());
         self.summary.warnings.extend(self.narrowed_bands());
         Ok(self.summary)
@@ -310,6 +311,7 @@ impl<'m> Run<'m> {
         if let Some(motion) = step_run.newton.motion() {
             motion.end_shock();
         }
+        let viscous = self.viscous_share(step_run, request, report);
         let size = request.increment.size;
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
@@ -319,7 +321,7 @@ impl<'m> Run<'m> {
         }
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
-        let carried = self.count(step_run, request.method, &row);
+        let carried = self.count(step_run, request.method, (&row, viscous));
         let collapsed = self.collapses(step_run, request.method, (before.kinetic, start));
         let growth = growth(request, report, step_run.fallback.floor());
         step_run.choose_size(
@@ -366,7 +368,12 @@ impl<'m> Run<'m> {
 
     /// Adds the increment to the counters from which the warnings of the summary follow. Returns whether inertia
     /// carries its force.
-    fn count(&mut self, step_run: &StepRun, method: Method, row: &HistoryRow) -> bool {
+    fn count(
+        &mut self,
+        step_run: &StepRun,
+        method: Method,
+        (row, viscous): (&HistoryRow, f64),
+    ) -> bool {
         self.energy_watch.add(row);
         let seeks = step_run.step.procedure.seeks_equilibrium();
         match method {
@@ -378,8 +385,8 @@ impl<'m> Run<'m> {
             Method::QuasiStatic => self.mark_fallen(),
             _ => {}
         }
-        self.carried
-            .add(row, seeks && method == Method::QuasiStatic)
+        let has_inertia = seeks && method == Method::QuasiStatic;
+        self.carried.add(row, has_inertia, viscous)
     }
 
     /// Measures the path by the committed increment: its change `dq` of the displacements [mm] `[slot]` and `added`
