@@ -77,3 +77,21 @@ fn a_block_that_is_torn_by_any_drive_has_its_strength() {
         assert!((0.9..1.03).contains(&part), "{drive} mm: {part}");
     }
 }
+
+/// A viscosity of the step that carries much of the largest force is told; a small one is not.
+#[test]
+fn a_viscosity_that_carries_the_force_is_told() {
+    for (drive, viscosity, told) in [(30.0, 2.5e-3, true), (0.3, 1e-6, false)] {
+        let step = format!(
+            "kind = \"drive\"\nface = \"b.top\"\ndirection = \"z\"\ndisplacement = \"{drive} mm\"\n\
+             viscosity = {viscosity}\n"
+        );
+        let (_, model) = deck_and_model(&format!("{BLOCK}{step}"));
+        let (recording, summary) = scene::run(&model);
+        let forces = recording.rows.iter().map(|row| row.force_kN);
+        println!("{drive} mm: {} kN", forces.fold(0.0, f64::max));
+        let mut warnings = summary.warnings.iter();
+        let found = warnings.any(|warning| warning.starts_with("viscosity carries about"));
+        assert_eq!(found, told, "{:?}", summary.warnings);
+    }
+}
