@@ -313,7 +313,7 @@ def _take_surroundings(digest: Any, function: Any) -> None:
         if inspect.ismodule(value):
             continue
         digest.update(name.encode())
-        if hasattr(value, "to_toml"):
+        if hasattr(value, "to_toml") and not isinstance(value, type):
             digest.update(value.to_toml().encode())
             _take_files(digest, value)
             continue
