@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -36,13 +37,22 @@ VerdictKind = Literal[
 ]
 
 
-def _beginning(folder: str) -> tuple[int, int] | None:
-    """What changes when another run begins in a folder, and not while one goes on: the copy of its deck."""
+def _changed(folder: str) -> tuple[int, int] | None:
+    """What changes when the copy of the deck in a folder is written: its place on the disk and its time."""
     try:
         found = os.stat(os.path.join(folder, "model.toml"))
     except OSError:
         return None
     return found.st_ino, found.st_mtime_ns
+
+
+def _deck(folder: str) -> bytes | None:
+    """Hash of the copy of the deck in a folder."""
+    try:
+        with open(os.path.join(folder, "model.toml"), "rb") as file:
+            return hashlib.sha256(file.read()).digest()
+    except OSError:
+        return None
 
 
 def as_height(height: object) -> float:
@@ -69,7 +79,7 @@ class RunFigures:
         self._said = folder
         self._folder = os.path.abspath(folder)
         self._temporary = temporary
-        self._begun = _beginning(self._folder)
+        self._changed, self._of_deck = _changed(self._folder), _deck(self._folder)
 
     @property
     def path(self) -> str:
@@ -79,11 +89,16 @@ class RunFigures:
     @property
     def _path(self) -> str:
         """The folder, as long as it holds the run that it held at first."""
-        if _beginning(self._folder) != self._begun:
-            raise OutputError(
-                f"{self._said}: another run was written into the folder, or this one was resumed; "
-                "wythe.Results(path) opens it anew"
-            )
+        changed = _changed(self._folder)
+        if changed != self._changed:
+            # A resumed run writes the same deck again.
+            deck = _deck(self._folder)
+            if deck is not None and deck != self._of_deck:
+                raise OutputError(
+                    f"{self._said}: another run was written into the folder, or this one was resumed with another "
+                    "deck; wythe.Results(path) opens it anew"
+                )
+            self._changed = changed
         return self._folder
 
     @property

@@ -203,12 +203,16 @@ def resume_run(
     if text is not None and progress:
         follower = _follower(_wythe.Deck.read(text, False, None, []), progress)
     on_row, on_note = _listeners(callback, follower)
-    return _ended(
-        results.path,
-        results._temporary,
-        follower,
-        lambda: _wythe.resume(results.path, overrides, count, on_row, on_note),
-    )
+    try:
+        return _ended(
+            results.path,
+            results._temporary,
+            follower,
+            lambda: _wythe.resume(results._path, overrides, count, on_row, on_note),
+        )
+    finally:
+        # The results remain those of the run, which may have another deck now.
+        results._bind(results.path, results._temporary)
 
 
 def _follower(deck: _wythe.Deck, progress: bool) -> Follower | None:

@@ -82,7 +82,7 @@ class Decks:
             f"{test.name} {test.model.digest} {os.path.abspath(test.model.folder or '.')}" for test in self.job.tests
         ]
         for test in self.job.tests:
-            for file in test.model._named_files():
+            for file in getattr(test.model, "_named_files", list)():
                 with contextlib.suppress(OSError):
                     said.append(hashlib.sha256(Path(file).read_bytes()).hexdigest())
         return "\n".join([*said, *(f"{p.name} {p.keys} {p.unit}" for p in self.job.parameters)])
