@@ -56,9 +56,10 @@ impl<'m> Run<'m> {
         if step_run.snap.damage_rate.is_infinite() || request.method != Method::Static {
             return false;
         }
-        let Some((passage, carried)) = self.carried_by_lag(step_run, request, report) else {
+        let Some(passage) = self.passage(step_run, request, report) else {
             return false;
         };
+        let carried = self.carried_by_lag(step_run, request, &passage);
         let (most, force) = (step_run.peak.most(), passage.force.abs());
         if carried <= CARRIES[usize::from(force < most)] * most.max(force) {
             return false;
@@ -71,19 +72,16 @@ impl<'m> Run<'m> {
         true
     }
 
-    /// Data of the increment that ends at the trial, and the force that its lagging damage carries; none without drive or
-    /// steering.
+    /// Force that lagging damage carries at the end of the trial, in the unit of the passage.
     fn carried_by_lag(
         &self,
         step_run: &StepRun,
         request: IncrementRequest,
-        report: Report,
-    ) -> Option<(Passage, f64)> {
-        let passage = self.passage(step_run, request, report)?;
+        passage: &Passage,
+    ) -> f64 {
         let dt = request.increment.size * step_run.step.duration;
         let work = self.system.work_of_lag(&self.state, &self.trial, dt);
-        let carried = (passage.by_work * work).abs();
-        Some((passage, carried))
+        (passage.by_work * work).abs()
     }
 
     /// Part of the force at the end of the trial that viscosity carries, if it is larger than all before; else 0.
@@ -93,11 +91,14 @@ impl<'m> Run<'m> {
         request: IncrementRequest,
         report: Report,
     ) -> f64 {
+        if !self.system.bulk.is_viscous() {
+            return 0.0;
+        }
+        let passage = self.passage(step_run, request, report);
         let rises = |passage: &Passage| passage.force.abs() > step_run.peak.most();
-        let is_viscous = self.system.bulk.is_viscous();
-        let found = is_viscous.then(|| self.carried_by_lag(step_run, request, report));
-        let found = found.flatten().filter(|(passage, _)| rises(passage));
-        found.map_or(0.0, |(passage, carried)| carried / passage.force.abs())
+        passage.filter(rises).map_or(0.0, |passage| {
+            self.carried_by_lag(step_run, request, &passage) / passage.force.abs()
+        })
     }
 
     /// Removes the bound when no damage lags behind any more.
