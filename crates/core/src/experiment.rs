@@ -85,7 +85,8 @@ impl Experiment {
     ///
     /// The header names the columns. The name of the displacement column contains `displacement` or `deflection`,
     /// that of the force column `force` or `load`. A history of wythe has both. The ending of a name gives the unit
-    /// (`_kN`, `[kN]`): mm, cm, m and kN, N, MN. Without an ending the units are mm and kN.
+    /// (`_kN`, `[kN]`): mm, cm, m and kN, N, MN. Without an ending the units are mm and kN. A monotonic curve may
+    /// also be given from its end to its start.
     ///
     /// # Errors
     /// [`ExperimentError`], with file and line.
@@ -177,7 +178,16 @@ fn parse(text: &str) -> Result<Vec<Point>, Wrong> {
         let why = format!("the displacement is {} mm in every row", points[0].0);
         return Err((None, why, "name the column that moves".to_owned()));
     }
+    if runs_backwards(&points) {
+        points.reverse();
+    }
     Ok(points)
+}
+
+/// Whether every row lies nearer to rest than the one before: digitised from the end of a monotonic test to its start.
+fn runs_backwards(points: &[Point]) -> bool {
+    let nearer = |pair: &[Point]| pair[1].0.abs() < pair[0].0.abs();
+    points.windows(2).all(nearer)
 }
 
 /// Rejects a row with more fields than the header: a decimal comma would shift its columns.
@@ -269,6 +279,7 @@ mod tests {
             "\u{feff}Force [N];Displacement [cm]\n0;0\n12000;0,05\n",
             "time,displacement_mm,load_factor,force_kN\n0,0,0,0\n1,0.5,1,12\n",
             "displacement\tload\n0\t0\n# a pause\n0.5\t12\n",
+            "displacement_mm,force_kN\n0.5,12\n0,0\n",
         ] {
             assert_eq!(points(text), rows, "{text}");
         }

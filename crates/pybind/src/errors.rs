@@ -219,13 +219,21 @@ pub fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     }
 }
 
-/// Exception for an error of resuming a run.
-pub fn of_resuming(py: Python<'_>, error: &ResumeError) -> PyErr {
+/// Exception for an error of resuming a run, `with_laws` of Python or without.
+pub fn of_resuming(py: Python<'_>, error: &ResumeError, with_laws: bool) -> PyErr {
     match error {
+        ResumeError::OtherModel { .. } => {
+            let laws = if with_laws {
+                "; or it did not begin with these laws"
+            } else {
+                "; or the run has laws of Python, which resume(laws=...) takes again"
+            };
+            nowhere(py, error.to_string(), advice(error) + laws)
+        }
         ResumeError::Output(error) => of_output(py, error),
         ResumeError::Deck(error) => of_deck(py, error),
         ResumeError::Read(error) => of_reading(py, error),
-        ResumeError::Changed { .. } | ResumeError::OtherModel { .. } => wrong(py, error),
+        ResumeError::Changed { .. } => wrong(py, error),
         error => output(py, error, None),
     }
 }

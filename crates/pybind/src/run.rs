@@ -18,7 +18,7 @@ use pyo3::types::PyDict;
 use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
 use wythe_core::results::estimate::{self, Prepared};
-use wythe_core::results::{Resumed, RunDirectory, StoppedRun, SummaryFile};
+use wythe_core::results::{ResumeError, Resumed, RunDirectory, StoppedRun, SummaryFile};
 use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
 use wythe_core::state::{Frame, HistoryRow, Status, Summary};
@@ -146,9 +146,10 @@ pub fn run<'py>(
     ended
 }
 
-/// Resumes the run in `folder`. Returns false if it is complete.
+/// Resumes the run in `folder`, with the laws of Python that it began with. Returns false if it is complete.
 #[pyfunction]
-#[pyo3(signature = (folder, overrides, threads, on_row, on_note))]
+#[pyo3(signature = (folder, overrides, threads, on_row, on_note, laws=None))]
+#[expect(clippy::too_many_arguments, reason = "its keywords in Python")]
 pub fn resume<'py>(
     py: Python<'py>,
     folder: PathBuf,
@@ -156,22 +157,32 @@ pub fn resume<'py>(
     threads: Option<NonZeroUsize>,
     on_row: Option<Bound<'py, PyAny>>,
     on_note: Option<Bound<'py, PyAny>>,
+    laws: Option<Laws>,
 ) -> PyResult<bool> {
-    let begun = py.detach(|| {
+    let refused = |error: ResumeError| errors::of_resuming(py, &error, laws.is_some());
+    let read = py.detach(|| {
         let mut stopped = StoppedRun::open(&folder)?;
         let deck = stopped.deck(&overrides)?;
         let (model, warnings) = Model::from_deck(&deck)?;
+        Ok((stopped, deck, model, warnings))
+    });
+    let (stopped, deck, mut model, warnings) = read.map_err(refused)?;
+    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let failure = Failure::default();
+    if let Some(laws) = &laws {
+        laws.require_no_scatter(&deck)?;
+        warnings.extend(laws.put_into(py, &mut model, &failure)?);
+    }
+    let begun = py.detach(|| {
         if stopped.is_complete(&model)? {
             return Ok(None);
         }
         let mut resumed = stopped.resume(&model)?;
         // Stores the deck that is valid from here on.
         resumed.directory.keep_deck(&deck)?;
-        Ok(Some((model, warnings, resumed)))
+        Ok(Some(resumed))
     });
-    let Some((model, warnings, resumed)) =
-        begun.map_err(|error| errors::of_resuming(py, &error))?
-    else {
+    let Some(resumed) = begun.map_err(refused)? else {
         return Ok(false);
     };
     let Resumed {
@@ -179,21 +190,23 @@ pub fn resume<'py>(
         checkpoint,
         warnings: of_files,
     } = resumed;
-    let warnings = warnings.iter().map(ToString::to_string).chain(of_files);
+    warnings.extend(of_files);
     let output = Output {
         directory,
-        warnings: warnings.collect(),
+        warnings,
     };
     let listener = Listener {
         threads,
         on_row,
         on_note,
     };
-    record(py, &model, output, &listener, |recorder| match checkpoint {
+    let ended = record(py, &model, output, &listener, |recorder| match checkpoint {
         Some(checkpoint) => solve::resume(&model, checkpoint, recorder),
         None => solve::run(&model, recorder),
-    })?;
-    Ok(true)
+    });
+    // The failure of a law is the cause of how the run ended.
+    failure.raised(py)?;
+    ended.map(|()| true)
 }
 
 /// Folder of a run, and warnings for its summary.

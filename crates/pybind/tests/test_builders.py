@@ -80,7 +80,6 @@ def test_a_strip_under_an_airbag() -> None:
         ],
         springs=[build.spring("foot", "unit-0-0-0.bottom", [0, 0, "1 MN/mm"])],
         probes=[build.probe("middle", "y", near=[50, 100, 400])],
-        points="auto",
         steps=[
             build.loading(build.load("roof", "unit-0-0-7.top", force=[0, 0, "-1 kN"]), name="roof"),
             build.loading(
@@ -130,6 +129,7 @@ def test_a_couplet() -> None:
 semicircle = partial(
     build.arch,
     title="Semicircular arch",
+    contact={"points": "corner"},
     thickness="107.01 mm",
     width="200 mm",
     voussoirs=11,
@@ -155,6 +155,7 @@ def test_a_block_that_slides() -> None:
             build.block("block", "stone", [200, 100, 100], ["50 mm", 50, 0], mesh=[2, 1, 1]),
         ],
         title="Block sliding down an incline",
+        points="corner",
         materials={"stone": STONE},
         interfaces={"dry": build.dry_joint(0.4, normal_stiffness="10 N/mm^3", shear_stiffness=4)},
         contacts=[build.contact("dry", "block.bottom", "ground.top")],
@@ -174,6 +175,7 @@ def test_a_column_of_copies() -> None:
             build.block("block", "stone", [400, 200, 175], copies=[1, 1, 6], pitch=[0, 0, 175]),
         ],
         title="Column on a tilting table",
+        points="corner",
         materials={"stone": STONE},
         interfaces={"dry": build.dry_joint(0.65)},
         contacts=[build.contact("dry")],
@@ -190,7 +192,6 @@ def test_bonded_blocks() -> None:
             build.block("upper", "stone", [200, 100, 50], [0, 0, 50], mesh=[4, 2, 1]),
         ],
         title="Couplet of two blocks",
-        points="auto",
         materials={"stone": build.elastic("5 GPa", 0.2)},
         interfaces={"joint": JOINT},
         contacts=[build.contact("joint", "upper.bottom", "lower.top")],
@@ -207,7 +208,6 @@ def test_an_imported_mesh() -> None:
     made = build.blocks(
         [build.block("plate", "stone", [200, 100, 20], mesh=[2, 1, 1])],
         title="Couplet from Abaqus",
-        points="auto",
         imports=[build.mesh("couplet", "50_imported_mesh.inp", at=[0, 0, 20])],
         materials={"stone": build.elastic("30 GPa", 0.2)},
         interfaces={"joint": JOINT},
@@ -285,6 +285,7 @@ def test_an_arch_by_its_rise() -> None:
     stone = build.elastic("5000 MPa", 0.2, density="2000 kg/m^3")
     made = build.arch(
         title="Segmental arch on a tilting table",
+        contact={"points": "corner"},
         span="2 m",
         rise="500 mm",
         thickness="150 mm",
@@ -303,6 +304,7 @@ def test_columns_below_a_lintel() -> None:
     pier = partial(rigid, size=["500 mm", "600 mm", "400 mm"], stack=4, interface="dry")
     made = build.blocks(
         title="Trilithon on a tilting table",
+        points="corner",
         materials={"stone": build.elastic("5000 MPa", 0.2, density="2400 kg/m^3")},
         interfaces={
             "dry": build.dry_joint(0.8, normal_stiffness="100 N/mm^3", shear_stiffness="40 N/mm^3")
@@ -383,3 +385,74 @@ def test_facets_in_parts() -> None:
     assert cut == 6 * whole
     with pytest.raises(wythe.ModelError, match=r"contact\.parts"):
         blocks([0, 1, 1])
+
+
+def test_contact_points_are_those_of_decks() -> None:
+    """Corner points would make an elastic joint three times as stiff against rotation."""
+    made = build.blocks(
+        [
+            build.block("lower", "stone", [200, 100, 50]),
+            build.block("upper", "stone", [200, 100, 50], [0, 0, 50]),
+        ],
+        materials={"stone": STONE},
+        interfaces={"joint": JOINT},
+        contacts=[build.contact("joint")],
+        supports=[build.support("lower.bottom")],
+        steps=[build.gravity()],
+    )
+    assert made.to_dict()["contact"]["points"] == "auto"
+
+
+def test_arguments_that_exclude_each_other() -> None:
+    wall = partial(
+        build.wall,
+        unit=[200, 100, 50],
+        length=600,
+        courses=2,
+        brick=STONE,
+        steps=[build.gravity()],
+        clamped=False,
+        supports=[build.support("wall.bottom")],
+    )
+    dry = wall(joint=build.dry_joint(0.6), bed_joint=0, head_joint="0 mm")
+    assert dry.to_dict()["wall"]["bed_joint"] == 0.0
+    with pytest.raises(ValueError, match="bed_joint: a wall without mortar"):
+        wall(joint=build.dry_joint(0.6), bed_joint=5)
+    with pytest.raises(ValueError, match="wall: given twice"):
+        wall(joint=build.dry_joint(0.6), wall={"courses": 3})
+    with pytest.raises(ValueError, match="contact: given twice"):
+        build.blocks(
+            [build.block("block", "stone", [100, 100, 100])],
+            materials={"stone": STONE},
+            interfaces={},
+            supports=[build.support("block.bottom")],
+            steps=[build.gravity()],
+            parts=[2, 2, 2],
+            contact={"points": "corner"},
+        )
+
+
+def test_ties_layers_floors_settlements_and_sections() -> None:
+    stone = {"kind": "drucker-prager", "E": 2000, "nu": 0.2, "c": 1.2, "phi": 35, "f_t": 0.4, "density": 1.6e-9}
+    assert build.drucker_prager(2000, 0.2, 1.2, 35, 0.4, density=1.6e-9) == stone
+    cap = build.cap_joint(
+        0.2, 0.3, 0.7, 0.6, f_m=8, kappa_p=0.1, G_fc=5, G_I=0.02, G_II=0.1,
+        normal_stiffness=100, shear_stiffness=40,
+    )  # fmt: skip
+    assert cap["kind"] == "cap"
+    pier = partial(build.block, material="tuff", size=[200, 400, 1000])
+    made = build.blocks(
+        [pier("left", at=[0, 0, 0]), pier("right", at=[1800, 0, 0])],
+        materials={"tuff": stone, "render": build.elastic(5000, 0.2)},
+        interfaces={"bond": cap},
+        supports=[build.support("left.bottom")],
+        steps=[build.gravity(), build.drive("1 mm", settlement="ground")],
+        ties=[build.tie("rod", [[100, 200, 900], [1900, 200, 900]], E=210e3, diameter=16, prestress=1000)],
+        layers=[build.layer("render", "left.start", 20, "render", "bond")],
+        floors=[build.floor("slab", ["left.top", "right.top"], load="3 kN/m^2", axial=100)],
+        settlements=[build.settlement("ground", "right.bottom", table={"at": [1800, 2000], "values": [1, 1]})],
+        sections=[build.section("foot", [0, 0, 100], "z", of="left")],
+        probes=[build.probe("gap", gauge=[[200, 0, 1000], [1800, 0, 1000]])],
+    )
+    found = made.check()
+    assert found.ok, found

@@ -182,6 +182,21 @@ def test_a_law_that_fails_midway_keeps_its_results(tmp_path: Any) -> None:
     assert len(wythe.Results(tmp_path / "run").history) > 0
 
 
+def test_a_run_with_laws_goes_on_with_them(tmp_path: Any) -> None:
+    couplet, laws = wythe.templates.couplet("0.01 mm"), {"joint": JointLaw("elastic", elastic)}
+    whole = couplet.run(tmp_path / "whole", laws=laws, threads=1)
+    half = len(whole.history) // 2
+    stopped = couplet.run(
+        tmp_path / "part", laws=laws, threads=1, callback=lambda row: row.increment < half
+    )
+    assert stopped.status == "stopped"
+    with pytest.raises(wythe.ModelError, match=r"resume\(laws=\.\.\.\) takes again"):
+        stopped.resume()
+    assert stopped.resume(laws=laws, threads=1).status == "completed"
+    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "part")]
+    assert histories[0] == histories[1]
+
+
 def test_the_taken_names_are_those_of_the_files_of_a_run() -> None:
     folder = ROOT / "crates" / "core" / "src" / "results" / "vtkhdf"
     work, quads = ((folder / name).read_text(encoding="utf-8") for name in ("work.rs", "quads.rs"))

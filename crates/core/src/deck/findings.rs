@@ -1,5 +1,6 @@
 //! Checks of the physics of a model before it is run.
 
+use super::far_points::far_points;
 use super::magnitudes::magnitudes;
 use super::masonry::{Corner, Masonry, Unit, least_lap};
 use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
@@ -117,6 +118,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(magnitudes(deck));
     warnings.extend(rigid_strategy(deck));
     warnings.extend(records_outside(deck, model));
+    warnings.extend(far_points(deck, model));
     let cautions = deck.cautions.iter();
     warnings.extend(cautions.map(|(path, message)| deck.warning(path, message.clone())));
     (warnings, errors)

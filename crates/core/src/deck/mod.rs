@@ -9,6 +9,7 @@ mod build;
 pub mod catalogue;
 pub mod check;
 mod contradictions;
+mod far_points;
 mod findings;
 mod floors;
 mod general;

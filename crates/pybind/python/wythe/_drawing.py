@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Literal, SupportsFloat, Union
 
 from wythe import _wythe
 from wythe._errors import as_path, expected
@@ -38,6 +38,9 @@ def seen_from(face: str | None, section: str | None, view: View | None) -> str:
 
 
 def factor_of(scale: float | None) -> float | None:
+    """A magnification, or the exception that explains why it is none."""
+    if scale is not None and (isinstance(scale, (bool, str)) or not isinstance(scale, SupportsFloat)):
+        raise expected("scale", "a number from 0", scale)
     if scale is not None and not (math.isfinite(scale) and scale >= 0.0):
         raise ValueError(f"scale: expected a number from 0, got {scale}")
     return None if scale is None else float(scale)

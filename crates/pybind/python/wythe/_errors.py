@@ -252,6 +252,11 @@ def unwritten(name: str, error: OSError) -> OutputError:
     return _output_error(f"{name}: cannot be written: {error.strerror}", "", error.errno)
 
 
+def unread(name: str, error: OSError) -> OutputError:
+    """Exception for a file that Python could not read."""
+    return _output_error(f"{name}: cannot be read: {error.strerror}", "", error.errno)
+
+
 def write_text(name: str, text: str) -> str:
     """Writes a file and returns its name."""
     return write_bytes(name, text.encode())
@@ -313,7 +318,7 @@ def as_path(argument: str, value: object) -> str:
     """A path as text."""
     if isinstance(value, (str, os.PathLike)):
         path = os.fspath(value)
-        if isinstance(path, str):
+        if isinstance(path, str) and path:
             return path
     raise expected(argument, "a path (str or os.PathLike)", value)
 

@@ -10,8 +10,14 @@ from typing import Any
 from wythe._errors import ModelError, as_path, expected
 
 
-def plain(where: str, value: Any) -> Any:
+#: Deepest nesting of a value; the tables of a deck have six.
+DEEPEST = 50
+
+
+def plain(where: str, value: Any, depth: int = 0) -> Any:
     """Converts values to types of JSON; None in tables is omitted."""
+    if depth > DEEPEST:
+        raise ValueError(f"{where[:60]}...: nested deeper than {DEEPEST}; does a mapping or list contain itself?")
     if hasattr(value, "tolist") and hasattr(value, "dtype"):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -20,7 +26,7 @@ def plain(where: str, value: Any) -> Any:
             if not isinstance(key, str):
                 raise expected(where, "keys that are str", key)
             if item is not None:
-                table[key] = plain(f"{where}.{key}" if where != "deck" else key, item)
+                table[key] = plain(f"{where}.{key}" if where != "deck" else key, item, depth + 1)
         return table
     if isinstance(value, (str, bool)):
         return value
@@ -34,5 +40,5 @@ def plain(where: str, value: Any) -> Any:
     if isinstance(value, os.PathLike):
         return as_path(where, value)
     if isinstance(value, Sequence) or hasattr(value, "__iter__"):
-        return [plain(f"{where}.{i}", item) for i, item in enumerate(value)]
+        return [plain(f"{where}.{i}", item, depth + 1) for i, item in enumerate(value)]
     raise expected(where, "a number, a text, a flag, a sequence or a mapping", value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, SupportsFloat
 
@@ -86,6 +86,9 @@ def limit_of(
     along: str | Sequence[float] | None,
 ) -> LimitAnalysis:
     """See :meth:`wythe.Model.limit`."""
+    for name, flag in (("associated", associated), ("bonded", bonded)):
+        if not isinstance(flag, bool):
+            raise expected(name, "True or False", flag)
     way = None if along is None else _direction(along)
     limit = deck.limit(associated, bonded, None if strength is None else _strength(strength), way)
     found: dict[str, Any] = json.loads(limit.table())
@@ -128,6 +131,8 @@ def _direction(along: str | Sequence[float]) -> list[float]:
         if name not in ("x", "y", "z"):
             raise expected("along", '"x", "-x", …, or a vector', along)
         return [sign * float(axis == name) for axis in ("x", "y", "z")]
+    if not isinstance(along, Iterable) or not all(isinstance(part, SupportsFloat) for part in along):
+        raise expected("along", '"x", "-x", …, or a vector', along)
     vector = [float(part) for part in along]
     length = sum(part * part for part in vector) ** 0.5
     if len(vector) != 3 or not 0.0 < length < float("inf"):

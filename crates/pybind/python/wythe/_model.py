@@ -217,6 +217,8 @@ class Model:
         ModelError
             A key is unknown, or a value is not admissible.
         """
+        if changes is not None and not isinstance(changes, Mapping):
+            raise expected("with_", "a mapping from keys of the deck to values", changes)
         all_changes: dict[str, Any] = dict(changes or {})
         all_changes.update({name.replace("__", "."): value for name, value in keys.items()})
         if not all_changes:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import pyvista
     from matplotlib.axes import Axes
 
+    from wythe._laws import JointLaw, SolidLaw
     from wythe._model import Model, Value
     from wythe._run import Increment
 
@@ -206,7 +207,8 @@ class Results(RunFigures):
         scale
             Magnification of the deformed shape; the displacement field is not scaled.
         """
-        return as_pyvista(self, self.frame(frame), scale)
+        factor = factor_of(scale)
+        return as_pyvista(self, self.frame(frame), 1.0 if factor is None else factor)
 
     def to_meshio(self, frame: FrameNumber = "last") -> meshio.Mesh:
         """The solids at rest with all fields of a frame, for meshio, which writes many formats."""
@@ -433,6 +435,7 @@ class Results(RunFigures):
         threads: int | None = None,
         progress: bool = False,
         callback: Callable[[Increment], bool | None] | None = None,
+        laws: Mapping[str, JointLaw | SolidLaw] | None = None,
     ) -> Results:
         """Resumes a stopped run in its folder from the last checkpoint, like ``wythe resume``.
 
@@ -442,6 +445,8 @@ class Results(RunFigures):
             New values of keys that may change: ``output``, the title, a longer last step.
         threads, progress, callback
             See :meth:`wythe.Model.run`.
+        laws
+            The laws of your own with which the run began.
 
         Returns
         -------
@@ -453,7 +458,7 @@ class Results(RunFigures):
 
         said = _overrides("changes", {} if changes is None else changes)
         try:
-            return resume_run(self, said, threads, progress, callback)
+            return resume_run(self, said, threads, progress, callback, laws)
         finally:
             self._forget()
 

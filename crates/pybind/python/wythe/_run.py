@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import sys
 import time
@@ -114,8 +115,9 @@ class Follower:
 def _threads(threads: object) -> int | None:
     if threads is None:
         return None
-    if isinstance(threads, bool) or not isinstance(threads, int):
+    if isinstance(threads, bool) or not isinstance(threads, numbers.Integral):
         raise expected("threads", "a whole number from 1, or None", threads)
+    threads = int(threads)
     if threads < 1:
         raise ValueError(f"threads: expected a whole number from 1, got {threads}")
     cores = _cores()
@@ -186,7 +188,7 @@ def run_deck(
         if error:
             _wythe.estimate_error(deck, folder, count, on_note)
 
-    return _ended(folder, temporary, follower, solve)
+    return _ended(folder, temporary, follower, solve, bool(laws))
 
 
 def resume_run(
@@ -195,8 +197,10 @@ def resume_run(
     threads: int | None,
     progress: bool,
     callback: Callback | None,
+    laws: Mapping[str, JointLaw | SolidLaw] | None = None,
 ) -> Results:
     """Implements :meth:`wythe.Results.resume`."""
+    of_python = split(laws)
     count = _threads(threads)
     text = results.deck
     follower = None
@@ -208,7 +212,8 @@ def resume_run(
             results.path,
             results._temporary,
             follower,
-            lambda: _wythe.resume(results._path, overrides, count, on_row, on_note),
+            lambda: _wythe.resume(results._path, overrides, count, on_row, on_note, of_python),
+            bool(laws),
         )
     finally:
         # The results remain those of the run, which may have another deck now.
@@ -226,6 +231,7 @@ def _ended(
     temporary: Temporary | None,
     follower: Follower | None,
     solve: Callable[[], object],
+    with_laws: bool,
 ) -> Results:
     try:
         solve()
@@ -238,7 +244,8 @@ def _ended(
         if results.status in ("completed", "collapsed"):
             said = "interrupted in a companion: the run is complete, the estimate of its error is not"
         else:
-            said = "interrupted after a whole increment; error.results.resume() goes on"
+            again = "resume(laws=...)" if with_laws else "resume()"
+            said = f"interrupted after a whole increment; error.results.{again} goes on"
         raise RunInterrupted(said, results) from interrupt
     results = Results._of(folder, temporary)
     if follower is not None:

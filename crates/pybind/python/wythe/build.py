@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from wythe._attached import floor, layer, section, settlement, tie
+from wythe._materials import by_name, cap_joint, damage_plasticity, drucker_prager, dry_joint, elastic, joint
 from wythe._model import Model, Value
 from wythe._parts import (
     MotionOptions as MotionOptions,
@@ -18,14 +20,9 @@ from wythe._parts import (
     Rows as Rows,
     StepOptions as StepOptions,
     _part,
-    by_name,
-    damage_plasticity,
     drive,
-    dry_joint,
-    elastic,
     free,
     gravity,
-    joint,
     load,
     loading,
     preload,
@@ -38,23 +35,30 @@ __all__ = [
     "block",
     "blocks",
     "by_name",
+    "cap_joint",
     "contact",
     "damage_plasticity",
     "drive",
+    "drucker_prager",
     "dry_joint",
     "elastic",
+    "floor",
     "free",
     "gravity",
     "joint",
+    "layer",
     "load",
     "loading",
     "mesh",
     "preload",
     "probe",
     "push",
+    "section",
+    "settlement",
     "spring",
     "support",
     "symmetry",
+    "tie",
     "tilt",
     "wall",
 ]
@@ -182,17 +186,40 @@ def symmetry(normal: str, at: Quantity, keep: str | None = None) -> Part:
 
 def probe(
     name: str,
-    direction: str,
+    direction: str | Sequence[float] | None = None,
     on: str | Sequence[str] | None = None,
     *,
     near: Sequence[Quantity] | None = None,
     minus: str | Sequence[str] | Mapping[str, Value] | None = None,
+    gauge: Sequence[Sequence[Quantity]] | None = None,
     quantity: str | None = None,
 ) -> Part:
-    """A motion recorded in its own column of the history: the mean of ``on``, or that of the node ``near`` a point,
-    minus the motion of ``minus``; ``quantity`` is ``"displacement"`` or ``"velocity"``.
+    """A motion recorded in its own column of the history.
+
+    Parameters
+    ----------
+    direction
+        ``"x"``, ``"-z"``, or a vector; optional with a ``gauge``.
+    on, near
+        The mean of blocks or faces, or the node nearest to a point at rest [mm].
+    minus
+        A place whose motion is subtracted.
+    gauge
+        Two points at rest [mm]: by how much the nodes nearest to them move apart.
+    quantity
+        ``"displacement"``, ``"velocity"`` or ``"drift"``.
     """
-    return _part(name=name, on=on, near=near, minus=minus, direction=direction, quantity=quantity)
+    return _part(
+        name=name, on=on, near=near, minus=minus, gauge=gauge, direction=direction, quantity=quantity
+    )
+
+
+def _assembled(tables: Mapping[str, Value], own: Part) -> Model:
+    """A model of the tables that a builder makes and further ones."""
+    twice = sorted(tables.keys() & own.keys())
+    if twice:
+        raise ValueError(f"{twice[0]}: given twice, as a table and by other arguments, which also make it")
+    return Model.from_dict({**own, **tables})
 
 
 def wall(
@@ -208,8 +235,8 @@ def wall(
     at: Sequence[Quantity] | None = None,
     along: str | None = None,
     rotate: Mapping[str, Any] | None = None,
-    bed_joint: Quantity = 10.0,
-    head_joint: Quantity = 10.0,
+    bed_joint: Quantity | None = None,
+    head_joint: Quantity | None = None,
     bond: str | None = None,
     mesh: str | Sequence[int] | None = None,
     clamped: Mapping[str, int] | bool | None = None,
@@ -253,7 +280,7 @@ def wall(
     rotate
         Rotation about ``at``, such as ``{"axis": "z", "angle": 30.0}``.
     bed_joint, head_joint
-        Thicknesses of the joints [mm].
+        Thicknesses of the joints [mm]; 10 if not given, without mortar 0.
     bond
         ``"stretcher"``, ``"stack"``, ``"header"``, ``"english"``, ``"english-cross"``, ``"flemish"``, ``"pattern"``.
     mesh
@@ -280,13 +307,17 @@ def wall(
         Further materials and interfaces by name, for lintels, leaves and contacts.
     tables
         Further tables of the deck: ``element``, ``contact``, ``contacts``, ``supports``, ``springs``,
-        ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``fidelity``, ``output``, ``probes``,
-        ``walls``, ``blocks``.
+        ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``sections``, ``symmetry``, ``fidelity``,
+        ``output``, ``probes``, ``walls``, ``blocks``.
     """
     solids = {"brick": dict(brick)} | ({} if mortar is None else {"mortar": dict(mortar)})
-    if mortar is None:
-        bed_joint = head_joint = 0.0
-    return Model.from_dict(
+    joints = {"bed_joint": bed_joint, "head_joint": head_joint}
+    thick = [key for key, size in joints.items() if size is not None and str(size).split()[:1] not in (["0"], ["0.0"])]
+    if mortar is None and thick:
+        raise ValueError(f"{thick[0]}: a wall without mortar has joints without thickness; give mortar, or omit it")
+    default = 0.0 if mortar is None else 10.0
+    return _assembled(
+        tables,
         {
             "title": title,
             "materials": solids | {name: dict(own) for name, own in (materials or {}).items()},
@@ -299,8 +330,8 @@ def wall(
                 unit=unit,
                 length=length,
                 courses=courses,
-                bed_joint=bed_joint,
-                head_joint=head_joint,
+                bed_joint=default if bed_joint is None else bed_joint,
+                head_joint=default if head_joint is None else head_joint,
                 bond=bond,
                 overlap=overlap,
                 leaves=leaves,
@@ -323,8 +354,7 @@ def wall(
                 clamped=clamped,
             ),
             "steps": list(steps),
-            **tables,
-        }
+        },
     )
 
 
@@ -370,12 +400,12 @@ def arch(
     tables
         Further tables of the deck: ``contact``, ``fidelity``, ``probes``, ``blocks``, ``contacts``, ``supports``, ...
     """
-    return Model.from_dict(
+    return _assembled(
+        tables,
         {
             "title": title,
             "materials": {"stone": dict(stone)},
             "interfaces": {"joint": dict(joint)},
-            "contact": {"points": "corner"},
             "arch": _part(
                 radius=radius,
                 span=span,
@@ -390,8 +420,7 @@ def arch(
                 mesh=mesh,
             ),
             "steps": list(steps),
-            **tables,
-        }
+        },
     )
 
 
@@ -406,7 +435,7 @@ def blocks(
     springs: Sequence[Mapping[str, Any]] = (),
     probes: Sequence[Mapping[str, Any]] = (),
     imports: Sequence[Mapping[str, Any]] = (),
-    points: str = "corner",
+    points: str | None = None,
     general: str | None = None,
     parts: Sequence[int] | None = None,
     search_radius: Quantity | None = None,
@@ -426,8 +455,8 @@ def blocks(
     imports
         Imported meshes (:func:`mesh`).
     points
-        Contact points: ``"corner"`` for rocking and sliding blocks, ``"gauss"`` for bonded ones, ``"auto"`` as decks
-        have them by default.
+        Contact points of facets: ``"auto"`` (default), ``"gauss"`` or ``"corner"``. Corner points of an elastic joint
+        make it up to three times as stiff against rotation.
     general
         Dry interface for contact between any faces of different bodies; without it only ``contacts`` are
         considered.
@@ -436,16 +465,17 @@ def blocks(
     search_radius
         Largest gap at which a point is paired with the opposite surface [mm].
     tables
-        Further tables of the deck: ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``symmetry``, ``walls``,
-        ``arch``,
-        ``element``, ``fidelity``, ``output``.
+        Further tables of the deck: ``settlements``, ``floors``, ``beams``, ``ties``, ``layers``, ``sections``,
+        ``symmetry``, ``walls``, ``arch``, ``element``, ``fidelity``, ``output``.
     """
-    return Model.from_dict(
+    meeting = _part(points=points, parts=parts, general=general, search_radius=search_radius)
+    return _assembled(
+        tables,
         {
             "title": title,
             "materials": dict(materials),
             "interfaces": dict(interfaces),
-            "contact": _part(points=points, parts=parts, general=general, search_radius=search_radius),
+            **({"contact": meeting} if meeting else {}),
             "blocks": list(blocks),
             "imports": list(imports),
             "contacts": list(contacts),
@@ -453,8 +483,7 @@ def blocks(
             "springs": list(springs),
             "probes": list(probes),
             "steps": list(steps),
-            **tables,
-        }
+        },
     )
 
 

@@ -32,7 +32,7 @@ from pathlib import Path
 from typing import Any, Protocol, SupportsFloat, TypeAlias
 
 from wythe import _wythe
-from wythe._errors import as_path, expected
+from wythe._errors import as_path, expected, unread
 from wythe._model import Model
 from wythe._results import Results
 
@@ -259,7 +259,13 @@ def _tables(materials: Materials | None) -> str | None:
         return materials.to_toml()
     if isinstance(materials, Mapping):
         return Model.from_dict({"format": 1, **materials}).to_toml()
-    return Path(as_path("materials", materials)).read_text(encoding="utf-8")
+    name = as_path("materials", materials)
+    try:
+        return Path(name).read_text(encoding="utf-8")
+    except OSError as error:
+        raise unread(name, error) from error
+    except UnicodeDecodeError as error:
+        raise ValueError(f"materials: {name} is no text in UTF-8") from error
 
 
 def standard(

@@ -85,7 +85,7 @@ def calibrate(
     """
     if not isinstance(progress, bool):
         raise expected("progress", "True or False", progress)
-    if isinstance(executor, int):
+    if isinstance(executor, (int, np.integer)):
         whole("executor", executor, 1)
     need("scipy", "study")
     read = _read(job, tests, parameters, {"fit": fit, "posterior": posterior, "title": title})

@@ -220,9 +220,9 @@ class _Pass:
 
 def _place(executor: Any, job: Job, left: int) -> Place:
     """The executor of the samples."""
-    if executor is None or isinstance(executor, int):
+    if executor is None or isinstance(executor, (int, np.integer)):
         # More workers than samples would be idle.
-        count = min(executor or os.cpu_count() or 1, left)
+        count = min(int(executor or os.cpu_count() or 1), left)
         if _dask.is_there():
             return _dask.local_cluster(count, job)
         return Futures(Workers(count), job, own=True)
@@ -237,7 +237,7 @@ def _check(
     model: Any, executor: Any, measure: Any, keep: Any, retries: Any, progress: Any, callback: Any
 ) -> None:
     """Checks the arguments of a study."""
-    if isinstance(executor, int):
+    if isinstance(executor, (int, np.integer)):
         whole("executor", executor, 1)
     elif executor is not None and not _dask.is_a("Cluster", executor):
         if not callable(getattr(executor, "submit", None)):
