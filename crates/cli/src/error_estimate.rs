@@ -39,7 +39,7 @@ pub fn add(
         let own = Terminal::new(&model, arguments.progress, quiet);
         let sinks = (directory, own);
         let solve = |recorder: &mut dyn Recorder| solve::run(&model, recorder);
-        recorded(&model, &warnings, sinks, interrupt, solve).map(|(summary, _)| summary)
+        recorded(&model, &warnings, sinks, interrupt, solve).map(|recorded| recorded.summary)
     };
     Ok(estimate_error(out, of_run, &mut solve)?)
 }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use wythe_core::command::argument;
 use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
+use wythe_core::model::scene::Fidelity;
 use wythe_core::results::{RunDirectory, SummaryFile};
 use wythe_core::solve::Recorder;
 use wythe_core::solve::{self, Checkpoint, RunError};
@@ -26,8 +27,8 @@ use crate::terminal::{Terminal, count};
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let read = findings::read(&arguments.model, &arguments.with);
     let Sound {
-        deck,
-        model,
+        mut deck,
+        mut model,
         warnings,
     } = read.map_err(|unsound| unsound.tell(&arguments.model))?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
@@ -51,7 +52,17 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let directory = RunDirectory::of_deck(&out, &model, &deck)?;
     let sinks = (directory, terminal);
     let solve = |recorder: &mut dyn Recorder| solve::run(&model, recorder);
-    let (summary, terminal) = recorded(&model, &warnings, sinks, &interrupt, solve)?;
+    let mut ended = recorded(&model, &warnings, sinks, &interrupt, solve)?;
+    if ended.lost_symmetry && deck.fidelity == Fidelity::Auto {
+        (deck.fidelity, model.fidelity) = (Fidelity::Full, Fidelity::Full);
+        let directory = RunDirectory::of_deck(&out, &model, &deck)?;
+        let sinks = (directory, ended.terminal);
+        let solve = |recorder: &mut dyn Recorder| solve::run_whole(&model, recorder);
+        ended = recorded(&model, &warnings, sinks, &interrupt, solve)?;
+    }
+    let Recorded {
+        summary, terminal, ..
+    } = ended;
     if !arguments.error {
         return conclude(&summary, warnings.len(), &terminal, &out);
     }
@@ -109,18 +120,30 @@ pub fn record(
 ) -> Result<(), Failure> {
     let out = directory.path().to_owned();
     let sinks = (directory, terminal);
-    let (summary, terminal) = recorded(model, warnings, sinks, interrupt, solve)?;
+    let Recorded {
+        summary, terminal, ..
+    } = recorded(model, warnings, sinks, interrupt, solve)?;
     conclude(&summary, warnings.len(), &terminal, &out)
 }
 
-/// Runs `solve` and writes the folder of the run. Returns its summary, and the terminal, whose bar is cleared.
+/// A run that has ended and its folder is written.
+pub struct Recorded {
+    /// Its summary.
+    pub summary: SummaryFile,
+    /// The terminal, whose bar is cleared.
+    terminal: Terminal,
+    /// Whether a part was solved and lost the symmetry of the whole.
+    lost_symmetry: bool,
+}
+
+/// Runs `solve` and writes the folder of the run.
 pub fn recorded(
     model: &Model,
     warnings: &[String],
     (directory, terminal): (RunDirectory, Terminal),
     interrupt: &Interrupt,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError>,
-) -> Result<(SummaryFile, Terminal), RunError> {
+) -> Result<Recorded, RunError> {
     let mut watched = Watched {
         directory,
         terminal,
@@ -128,8 +151,13 @@ pub fn recorded(
     };
     let ended = solve(&mut watched);
     watched.terminal.finish();
-    let summary = watched.directory.finish(model, &ended?, warnings);
-    Ok((summary.map_err(io::Error::from)?, watched.terminal))
+    let ended = ended?;
+    let summary = watched.directory.finish(model, &ended, warnings);
+    Ok(Recorded {
+        summary: summary.map_err(io::Error::from)?,
+        terminal: watched.terminal,
+        lost_symmetry: ended.lost_symmetry,
+    })
 }
 
 /// Prints how a run ended. The first `told` of its warnings were printed at the start.

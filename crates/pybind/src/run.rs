@@ -17,6 +17,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wythe_core::deck::Strategy;
 use wythe_core::model::Model;
+use wythe_core::model::scene::Fidelity;
 use wythe_core::results::estimate::{self, Prepared};
 use wythe_core::results::{ResumeError, Resumed, RunDirectory, StoppedRun, SummaryFile};
 use wythe_core::solve::Recorder;
@@ -136,14 +137,29 @@ pub fn run<'py>(
     };
     let output = Output {
         directory,
-        warnings,
+        warnings: warnings.clone(),
     };
     let ended = record(py, model, output, &listener, |recorder| {
         solve::run(model, recorder)
     });
     // The failure of a law is the cause of how the run ended.
     failure.raised(py)?;
-    ended
+    let lost_symmetry = ended?.lost_symmetry;
+    if !lost_symmetry || deck.deck().fidelity != Fidelity::Auto {
+        return Ok(());
+    }
+    let (mut whole, mut deck) = (model.clone(), deck.deck().clone());
+    (whole.fidelity, deck.fidelity) = (Fidelity::Full, Fidelity::Full);
+    let created = py.detach(|| RunDirectory::of_deck(&out, &whole, &deck));
+    let output = Output {
+        directory: created.map_err(|error| errors::of_output(py, &error))?,
+        warnings,
+    };
+    let ended = record(py, &whole, output, &listener, |recorder| {
+        solve::run_whole(&whole, recorder)
+    });
+    failure.raised(py)?;
+    ended.map(|_| ())
 }
 
 /// Resumes the run in `folder`, with the laws of Python that it began with. Returns false if it is complete.
@@ -206,7 +222,7 @@ pub fn resume<'py>(
     });
     // The failure of a law is the cause of how the run ended.
     failure.raised(py)?;
-    ended.map(|()| true)
+    ended.map(|_| true)
 }
 
 /// Folder of a run, and warnings for its summary.
@@ -222,7 +238,7 @@ fn record<'py>(
     output: Output,
     listener: &Listener<'py>,
     solve: impl FnOnce(&mut dyn Recorder) -> Result<Summary, RunError> + Send,
-) -> PyResult<()> {
+) -> PyResult<Summary> {
     let pool = pool(listener.threads)?;
     let columns = model.columns();
     let stop = AtomicBool::new(false);
@@ -254,7 +270,7 @@ fn record<'py>(
     }
     py.detach(|| directory.finish(model, &summary, &output.warnings))
         .map_err(|error| errors::of_output(py, &error))?;
-    raised.map_or(Ok(()), Err)
+    raised.map_or(Ok(summary), Err)
 }
 
 /// A pool per run: the global pool would not survive a fork and has a fixed number of threads.

@@ -1,6 +1,7 @@
 //! Tests of the module `solve`.
 
 mod amplitudes;
+mod buckling;
 mod determinism;
 mod dynamics;
 mod energies;

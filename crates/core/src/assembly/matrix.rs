@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::dofs::PRESCRIBED;
 use super::{DofMap, Equations, Gather, System, Trial};
-use crate::linear::eigen::MassMatrix;
+use crate::linear::eigen::{EigenError, Lowest, MassMatrix, lowest};
 use crate::linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 
 impl System {
@@ -102,9 +102,55 @@ impl System {
         trial: &Trial,
         part_of_own: f64,
     ) -> Result<(), LinearError> {
-        let cells = self.cells();
-        let backend = Backend::MultifrontalLlt;
-        let (gather, mut solver) = self.ordered(&cells, dofs, equations, backend)?;
+        let (gather, mut solver, mut values) = self.apart(dofs, equations, trial)?;
+        for at in gather.diagonal().flatten() {
+            values[at] *= 1.0 + part_of_own;
+        }
+        solver.factorise(&values).map(|_| ())
+    }
+
+    /// The lowest modes with the symmetric matrix of the trial's cells as their stiffness.
+    ///
+    /// # Errors
+    /// [`EigenError`].
+    pub fn lowest_modes(
+        &self,
+        equations: &Equations,
+        trial: &Trial,
+        wanted: usize,
+    ) -> Result<Lowest, EigenError> {
+        let (_, mut solver, values) = self.apart(&self.dofs, equations, trial)?;
+        lowest(&mut solver, &values, &self.mass_of(equations), wanted)
+    }
+
+    /// The lowest eigenvalue of the symmetric matrix of the trial's cells over its own diagonal.
+    ///
+    /// # Errors
+    /// [`EigenError`].
+    pub fn lowest_over_diagonal(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+    ) -> Result<Lowest, EigenError> {
+        let (gather, mut solver, values) = self.apart(dofs, equations, trial)?;
+        let diagonal = gather.diagonal().map(|at| at.map_or(0.0, |at| values[at]));
+        let own = MassMatrix {
+            diagonal: diagonal.collect(),
+            below: Vec::new(),
+        };
+        lowest(&mut solver, &values, &own, 1)
+    }
+
+    /// Symmetric matrix of the trial's cells, with its pattern and a solver of its own.
+    fn apart(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+    ) -> Result<(Gather, LinearSolver, Vec<f64>), LinearError> {
+        let (gather, solver) =
+            self.ordered(&self.cells(), dofs, equations, Backend::MultifrontalLlt)?;
         let mut values = vec![0.0; gather.row_idx.len()];
         gather.fill(
             &trial.cells.stiffness,
@@ -112,13 +158,7 @@ impl System {
             None,
             &mut values,
         );
-        for (e, column) in gather.col_ptr.windows(2).enumerate() {
-            let rows = &gather.row_idx[column[0]..column[1]];
-            if let Ok(k) = rows.binary_search(&(e as u32)) {
-                values[column[0] + k] *= 1.0 + part_of_own;
-            }
-        }
-        solver.factorise(&values).map(|_| ())
+        Ok((gather, solver, values))
     }
 
     /// Sums the cells into the matrix.

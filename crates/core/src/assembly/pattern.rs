@@ -62,6 +62,15 @@ impl Gather {
         }
     }
 
+    /// Place of each diagonal entry among the values, if the pattern has it. `[equation]`
+    pub fn diagonal(&self) -> impl Iterator<Item = Option<usize>> {
+        self.col_ptr.windows(2).enumerate().map(|(e, column)| {
+            let rows = &self.row_idx[column[0]..column[1]];
+            let at = rows.binary_search(&(e as u32));
+            at.ok().map(|k| column[0] + k)
+        })
+    }
+
     /// Builds the pattern of `cells`, which have eight nodes each and are structurally symmetric. For a symmetric
     /// matrix the blocks above the diagonal stay zero, because the solver does not read them.
     #[expect(

@@ -25,6 +25,10 @@ use std::collections::{BTreeSet, HashSet};
 /// Young's modulus of a beam over the largest one of the bodies below it.
 const STIFFER: f64 = 100.0;
 
+/// Outline of a beam over the area of the faces below it, from which a pressure is cautioned: heads without mortar leave a
+/// few percent.
+const MOST_OUTLINE: f64 = 1.1;
+
 /// Density of a beam for which the deck gives none [tonne/mm³]: that of air.
 pub(super) const AIR: f64 = 1.2e-12;
 
@@ -49,13 +53,18 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
             plain.stands_for(path, format!("beams.{i}"));
         }
     }
-    let mut told = Vec::new();
+    let (mut told, mut cautions) = (Vec::new(), Vec::new());
     for (i, step) in plain.steps.iter_mut().enumerate() {
         let of = |name: &String| deck.beams.iter().position(|beam| beam.name == *name);
         let Some(b) = step.beam.as_ref().and_then(of) else {
             continue; // no beam, or an unknown one, which was rejected when the deck was read
         };
-        take_over(step, &deck.steps[i], &deck.beams[b], &blocks[b]);
+        let said = &deck.steps[i];
+        take_over(step, said, &deck.beams[b], &blocks[b]);
+        let caution = said
+            .pressure
+            .and_then(|p| blocks[b].caution(&deck.beams[b], p.get()));
+        cautions.extend(caution.map(|message| (format!("steps.{i}.pressure"), message)));
         for key in ["face", "spring"] {
             told.push((format!("steps.{i}.{key}"), format!("steps.{i}.beam")));
         }
@@ -63,6 +72,7 @@ pub(super) fn written_out(deck: &Deck) -> Result<Cow<'_, Deck>, ModelError> {
     for (path, from) in told {
         plain.stands_for(path, from);
     }
+    plain.cautions.extend(cautions);
     Ok(Cow::Owned(plain))
 }
 
@@ -76,12 +86,29 @@ struct Laid {
     size: [f64; 3],
     /// Young's modulus [MPa].
     modulus: f64,
+    /// Area of the faces below it [mm²].
+    below: f64,
 }
 
 impl Laid {
     /// Area in plan [mm²].
     fn area(&self) -> f64 {
         self.size[0] * self.size[1]
+    }
+
+    /// A caution about a pressure on a beam that spans voids, which acts on its whole outline.
+    fn caution(&self, beam: &DeckBeam, pressure: f64) -> Option<String> {
+        (self.area() > MOST_OUTLINE * self.below).then(|| {
+            format!(
+                "the pressure acts on the outline of the beam {}, {:.4e} mm^2 for {:.4e} mm^2 of faces below it: {:.3} kN in \
+                 all, {:.4} MPa on these faces",
+                beam.name,
+                self.area(),
+                self.below,
+                1e-3 * pressure * self.area(),
+                pressure * self.area() / self.below
+            )
+        })
     }
 
     /// Stiffness of the jack [N/mm]: that of the beam along its shortest side.
@@ -134,11 +161,7 @@ fn outline(
             )
             .of_kind(ErrorKind::Geometry));
     }
-    let faces = places.iter().filter_map(|place| {
-        let face = place.face?;
-        Some(&bodies.all[place.body].faces[face])
-    });
-    let facets = faces.flat_map(|face| &face.facets);
+    let facets = places.iter().flat_map(|place| bodies.facets(*place));
     let angle = plan::angle(facets.map(|(_, facet)| facet.map(|n| bodies.mesh.nodes[n as usize])));
     let frame = PlanFrame::of(angle);
     let [u, v] = [0, 1].map(|d| range(x().map(|x| frame.plan(x)[d])));
@@ -147,6 +170,7 @@ fn outline(
         angle,
         size: [u[1] - u[0], v[1] - v[0], beam.depth.get()],
         modulus: modulus(bodies, &nodes),
+        below: bodies.area(&places).1,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Bodies of a scene: names, mesh, supports, springs, velocities.
 
 mod laying;
+mod sides;
 
 use super::amount;
 use super::body::Body;
@@ -18,7 +19,7 @@ use crate::material::MaterialParameters;
 use crate::model::Mesh;
 use crate::model::mesh::WallOfUnits;
 use crate::model::scene::{HeldBy, Spring, Support};
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 
 /// Bodies of a scene, their mesh and their names in the deck.
@@ -45,6 +46,8 @@ pub(super) struct Bodies<'a> {
     pub(super) mirrors: Vec<Mirror>,
     /// Longest side of the rigid blocks of files [mm].
     longest_of_files: f64,
+    /// Units of walls, in which facets are searched.
+    units: OnceCell<sides::Units>,
     /// Number of nodes that the deck has named so far; a node counts as often as it is named.
     named: Cell<usize>,
 }
@@ -73,6 +76,7 @@ impl<'a> Bodies<'a> {
             velocity: Vec::new(),
             mirrors: Vec::new(),
             longest_of_files: 0.0,
+            units: OnceCell::new(),
             named: Cell::new(0),
         };
         let mut errors = Errors::default();
@@ -283,9 +287,9 @@ impl<'a> Bodies<'a> {
             match place.face {
                 None => body.nodes.clone().collect(),
                 Some(face) => {
-                    let face = &body.faces[face];
-                    let facets = face.facets.iter().flat_map(|(_, facet)| *facet);
-                    face.nodes.clone().unwrap_or_else(|| facets.collect())
+                    let facets = || self.facets(*place).into_iter();
+                    let nodes = body.faces[face].nodes.clone();
+                    nodes.unwrap_or_else(|| facets().flat_map(|(_, facet)| facet).collect())
                 }
             }
         };
@@ -299,8 +303,7 @@ impl<'a> Bodies<'a> {
     pub(super) fn area(&self, places: &[Place]) -> ([f64; 3], f64) {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for place in places {
-            let faces = place.face.map(|face| &self.all[place.body].faces[face]);
-            for (_, facet) in faces.into_iter().flat_map(|face| &face.facets) {
+            for (_, facet) in self.facets(*place) {
                 let area = area_vector(&facet.map(|n| self.mesh.nodes[n as usize]));
                 total += norm(area);
                 (0..3).for_each(|d| sum[d] += area[d]);

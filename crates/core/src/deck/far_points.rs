@@ -48,7 +48,10 @@ fn points(deck: &Deck) -> Vec<(String, [f64; 3])> {
             }
         }
         let minus = probe.minus.as_ref();
-        if let Some(near) = minus.filter(|minus| minus.on.is_none()).and_then(|minus| minus.near) {
+        if let Some(near) = minus
+            .filter(|minus| minus.on.is_none())
+            .and_then(|minus| minus.near)
+        {
             add(format!("probes.{i}.minus.near"), near);
         }
     }
@@ -78,5 +81,6 @@ fn nearest_node(mesh: &Mesh, point: [f64; 3]) -> (f64, [f64; 3]) {
     let nodes = mesh.nodes_of_solids();
     let away = nodes.iter().map(|n| mesh.nodes[*n as usize]);
     let away = away.map(|x| (norm(difference(x, point)), x));
-    away.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, point))
+    away.min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or((f64::INFINITY, point))
 }

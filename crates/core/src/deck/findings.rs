@@ -9,6 +9,7 @@ use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
 use crate::material::{Extent, MaterialParameters};
 use crate::model::Model;
+use crate::model::scene::Step;
 use std::collections::{HashMap, HashSet};
 use wythe_contact::JointLaw;
 
@@ -119,6 +120,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(rigid_strategy(deck));
     warnings.extend(records_outside(deck, model));
     warnings.extend(far_points(deck, model));
+    warnings.extend(velocities_unused(deck, model));
     let cautions = deck.cautions.iter();
     warnings.extend(cautions.map(|(path, message)| deck.warning(path, message.clone())));
     (warnings, errors)
@@ -135,6 +137,24 @@ fn rigid_strategy(deck: &Deck) -> Option<Warning> {
     })
 }
 
+/// A warning about velocities of bodies that no step uses.
+fn velocities_unused(deck: &Deck, model: &Model) -> Option<Warning> {
+    let uses = |step: &Step| step.procedure.has_inertia();
+    let moves = model.initial_velocity.iter().any(|v| *v != [0.0; 3]);
+    let block = deck
+        .blocks
+        .iter()
+        .position(|block| block.velocity.iter().any(|v| v.get() != 0.0));
+    (moves && !model.steps.iter().any(uses)).then(|| {
+        let path = block.map_or("imports".to_owned(), |i| format!("blocks.{i}.velocity"));
+        let message = "not used: bodies start with it in the first step with the procedure dynamic or quasi_static, and there is none";
+        deck.warning(&path, message)
+    })
+}
+
+/// Duration of a step that the deck does not say [s].
+const DEFAULT_DURATION: f64 = 1.0;
+
 /// Warnings about records of the ground that end before their step begins, or begin after it ends.
 fn records_outside(deck: &Deck, model: &Model) -> Vec<Warning> {
     let mut warnings = Vec::new();
@@ -149,6 +169,11 @@ fn records_outside(deck: &Deck, model: &Model) -> Vec<Warning> {
                      the ground is at rest throughout (ground_start is the time of the record at which the step \
                      begins)",
                     step.duration
+                );
+                warnings.push(deck.warning(&format!("steps.{i}.ground.{axis}"), message));
+            } else if *last > step.duration && step.duration == DEFAULT_DURATION {
+                let message = format!(
+                    "the record goes on to {last} s, and the step ends after 1 s, the default of `duration`"
                 );
                 warnings.push(deck.warning(&format!("steps.{i}.ground.{axis}"), message));
             }

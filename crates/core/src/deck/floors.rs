@@ -330,11 +330,10 @@ fn sides(
     let mut first: Option<(f64, &str)> = None;
     for name in &on.0 {
         let places = bodies.places(path, &Names(vec![name.clone()]), true)?;
-        let faces = places.iter().filter_map(|place| {
-            let face = place.face?;
-            Some(&bodies.all[place.body].faces[face])
-        });
-        let facets: Vec<_> = faces.flat_map(|face| &face.facets).collect();
+        let facets: Vec<_> = places
+            .iter()
+            .flat_map(|place| bodies.facets(*place))
+            .collect();
         let corners = |nodes: &[u32; 4]| nodes.map(|n| bodies.mesh.nodes[n as usize]);
         let angle = plan::angle(facets.iter().map(|(_, nodes)| corners(nodes)));
         let (floor, of) = *first.get_or_insert((angle, name));
@@ -347,8 +346,6 @@ fn sides(
             );
         }
         let frame = PlanFrame::of(floor);
-        let facets = facets.iter().map(|(element, nodes)| (*element, *nodes));
-        let facets: Vec<(usize, [u32; 4])> = facets.collect();
         match side(name, &facets, &frame, &bodies.mesh.nodes) {
             Ok((along, side)) => sides[1 - along].push(side),
             Err(message) => return wrong(message, "name faces of walls"),

@@ -106,12 +106,10 @@ fn lattice(
 ) -> Result<Lattice, ModelError> {
     let path = format!("layers.{i}.on");
     let places = bodies.places(&path, &layer.on, true)?;
-    let faces = places
+    let units: Vec<Vec<[[f64; 3]; 4]>> = places
         .iter()
-        .filter_map(|place| place.face.map(|face| &bodies.all[place.body].faces[face]));
-    let units: Vec<Vec<[[f64; 3]; 4]>> = faces
-        .map(|face| {
-            let facets = face.facets.iter();
+        .map(|place| {
+            let facets = bodies.open_facets(*place).into_iter();
             let corners = facets.map(|(_, facet)| facet.map(|n| bodies.mesh.nodes[n as usize]));
             corners.collect()
         })

@@ -42,18 +42,16 @@ impl Named {
 pub(super) fn loads(deck: &Deck, bodies: &Bodies<'_>) -> Result<Named, ModelError> {
     let place = |path: &str, names: &Names, faces: bool| {
         let places = bodies.places(path, names, faces)?;
-        let mut facets = Vec::new();
-        for place in &places {
-            if let Some(face) = place.face {
-                let of = &bodies.all[place.body].faces[face].facets;
-                facets.extend(of.iter().map(|(_, facet)| *facet));
-            }
+        let open = places.iter().flat_map(|place| bodies.open_facets(*place));
+        let mut facets: Vec<_> = open.collect();
+        if facets.is_empty() {
+            facets.extend(places.iter().flat_map(|place| bodies.facets(*place)));
         }
         let whole = places.iter().filter(|place| place.face.is_none()).count();
         Ok(Place {
             nodes: bodies.nodes(&places),
             mixed: whole > 0 && whole < places.len(),
-            facets,
+            facets: facets.into_iter().map(|(_, facet)| facet).collect(),
         })
     };
     named(deck, &Site::new(deck, &bodies.mesh, &place))

@@ -20,6 +20,8 @@ pub(super) struct Place {
     pub(super) body: usize,
     /// Index of its face; none: the whole body.
     pub(super) face: Option<usize>,
+    /// Whether it belongs to a side of a wall, a course or a storey.
+    pub(super) side: bool,
 }
 
 /// Bodies and sets of an import.
@@ -233,6 +235,7 @@ impl NameRegistry {
             let place = |&(body, face): &Part| Place {
                 body: first + body,
                 face,
+                side: false,
             };
             let places = |of: &Vec<_>| of.iter().map(place).collect();
             let sets = imported.sets.iter();
@@ -261,10 +264,11 @@ impl NameRegistry {
         }
         let known = || brought.names.iter().map(String::as_str);
         if set.is_empty() {
-            let all = brought
-                .bodies
-                .clone()
-                .map(|body| Place { body, face: None });
+            let all = brought.bodies.clone().map(|body| Place {
+                body,
+                face: None,
+                side: false,
+            });
             return Some(if faces {
                 let some: Vec<&str> = known().take(8).collect();
                 let help = format!("say which of its sets: {}", some.join(", "));
@@ -379,7 +383,11 @@ impl NameRegistry {
                 )
                 .of_kind(ErrorKind::UnknownName));
         }
-        let place = |body: usize| Place { body, face };
+        let place = |body: usize| Place {
+            body,
+            face,
+            side: false,
+        };
         if let (Some(sides), Some(face)) = (self.sides.get(body), face) {
             if sides[face].is_empty() {
                 return Err(deck
@@ -392,7 +400,11 @@ impl NameRegistry {
                     )
                     .of_kind(ErrorKind::UnknownName));
             }
-            return Ok(sides[face].iter().copied().map(place).collect());
+            let place = |body: &usize| Place {
+                side: true,
+                ..place(*body)
+            };
+            return Ok(sides[face].iter().map(place).collect());
         }
         if let Some(layer) = self.layers.get(body) {
             return Ok(layer.iter().copied().map(place).collect());

@@ -7,6 +7,7 @@ use super::curve::Peak;
 use crate::model::Model;
 use crate::model::scene::{Procedure, Step};
 use crate::state::{Frame, Status, Summary};
+use wythe_contact::Aabb;
 
 /// The force still rises if it has risen over this last part of the travel by more than [`RISES`] of the largest
 /// force.
@@ -36,6 +37,8 @@ pub enum VerdictKind {
     Plateau,
     /// Prescribed loads are in equilibrium.
     Stands,
+    /// Everything is at rest at the end, and a body has moved by more than its smallest edge.
+    Displaced,
     /// A body is moving under inertia at the end of the run.
     Moves,
     /// There is no equilibrium, and bodies fall.
@@ -55,6 +58,8 @@ pub struct Farthest {
     pub moved: f64,
     /// Name of its body.
     pub body: String,
+    /// Smallest edge of the box around the body at rest [mm].
+    pub edge: f64,
 }
 
 impl Farthest {
@@ -67,9 +72,17 @@ impl Farthest {
         let (node, square) = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let has = |nodes: &[u32; 8]| nodes.contains(&(node as u32));
         let element = model.mesh.elements.iter().position(has)?;
+        let unit = model.mesh.unit[element];
+        let of_body = model.mesh.elements.iter().zip(&model.mesh.unit);
+        let nodes = of_body
+            .filter(|(_, of)| **of == unit)
+            .flat_map(|(nodes, _)| *nodes);
+        let around = Aabb::of(nodes.map(|n| &model.mesh.nodes[n as usize]));
+        let edges = (0..3).map(|d| around.max[d] - around.min[d]);
         Some(Self {
             moved: square.sqrt(),
             body: model.mesh.body_of(element),
+            edge: edges.fold(f64::INFINITY, f64::min),
         })
     }
 }
@@ -236,6 +249,12 @@ fn at_end(farthest: Option<&Farthest>, motion: Motion, falls: bool) -> Verdict {
         return Verdict {
             kind: VerdictKind::Moves,
             text,
+        };
+    }
+    if farthest.is_some_and(|farthest| farthest.moved > farthest.edge) {
+        return Verdict {
+            kind: VerdictKind::Displaced,
+            text: format!("at rest at the end, {far}, which is more than its smallest edge"),
         };
     }
     let text = if far.is_empty() {
@@ -426,6 +445,7 @@ mod tests {
         let far = Farthest {
             moved: 0.125,
             body: "lintel".to_owned(),
+            edge: 100.0,
         };
         let nothing = Curve::default();
         let on = |motion| Verdict::on(&model, &run, &nothing, Some(&far), motion);

@@ -7,6 +7,7 @@
 //! | `dynamics` | inertia: time integration, onset of motion, collapse |
 //! | `restart` | checkpoints and resumed runs |
 //! | `fidelity` | solution of a mirror half, or of an elastic substitute, instead of the whole model |
+//! | `stability` | whether an equilibrium is stable |
 //! | `vibration` | natural modes about a state |
 
 mod dynamics;
@@ -15,6 +16,7 @@ mod increment;
 
 mod recorder;
 mod restart;
+mod stability;
 mod stepper;
 mod stepping;
 pub mod vibration;
@@ -23,4 +25,4 @@ pub use recorder::Recorder;
 pub use restart::checkpoint::{Checkpoint, CheckpointError, resume};
 pub use stepper::{Increment, Stepper};
 
-pub use stepping::run::{RunError, run};
+pub use stepping::run::{RunError, run, run_whole};

@@ -78,6 +78,9 @@ pub struct Summary {
     /// Mirror planes, if one half of the model was solved; two planes for a quarter.
     #[serde(skip)]
     pub mirror_planes: Vec<MirrorPlane>,
+    /// Whether the run ended because the part that was solved lost the symmetry of the whole.
+    #[serde(skip)]
+    pub lost_symmetry: bool,
     /// Converged increments.
     pub increments: usize,
     /// Linear solves.
@@ -114,6 +117,7 @@ impl Summary {
             lost: None,
             sizes,
             mirror_planes: Vec::new(),
+            lost_symmetry: false,
             increments: 0,
             iterations: 0,
             cutbacks: 0,

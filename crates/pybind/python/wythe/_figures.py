@@ -29,6 +29,7 @@ VerdictKind = Literal[
     "still_rising",
     "plateau",
     "stands",
+    "displaced",
     "moves",
     "collapsed",
     "not_converged",

@@ -26,6 +26,7 @@ impl NameRegistry {
             places.extend(face.map(|face| Place {
                 body,
                 face: Some(face),
+                side: false,
             }));
         }
         if places.is_empty() {
@@ -59,11 +60,13 @@ impl NameRegistry {
                     places.extend(of_side.map(|face| Place {
                         body,
                         face: Some(*face),
+                        side: false,
                     }));
                 }
                 None => places.push(Place {
                     body,
                     face: Some(side),
+                    side: false,
                 }),
             }
         }

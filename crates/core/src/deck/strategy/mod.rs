@@ -7,6 +7,7 @@
 
 mod joints;
 mod shares;
+mod typical;
 mod units;
 
 use super::quantity::Quantity;
@@ -18,6 +19,7 @@ use crate::model::scene::ContactPoints;
 use joints::{Joint, Layers};
 use shares::Shares;
 use std::collections::BTreeSet;
+use typical::Typical;
 use units::Solid;
 
 /// Mesh of an expanded unit [length, height, thickness].
@@ -30,6 +32,9 @@ const MESH: Subdivision = Subdivision {
 /// Parts of a facet along a wall, each with its own contact points: expanded units have large facets, whose Gauss points
 /// would move pivots far inwards.
 const PARTS_ALONG: u32 = 2;
+
+/// Part of the units from which their material is that of all but for rounding.
+const WHOLE: f64 = 1.0 - 1e-9;
 
 /// Part of a density by which that of unit and mortar may differ from it unnoticed.
 const SAME_DENSITY: f64 = 1e-9;
@@ -52,13 +57,14 @@ pub(super) fn derive(deck: &mut Deck) {
         // Dry joints have points on the edges of their facets.
         let dry = deck.interfaces.get(&wall.interface);
         let dry = dry.is_some_and(Interface::is_dry) && deck.contact.points == ContactPoints::Auto;
-        let (along, through) = wall.axes();
+        let [along, through] = axes(&wall);
         if !dry {
             parts[along] = parts[along].max(PARTS_ALONG);
         }
         let mut steps = deck.steps.iter();
         let bends = steps.any(|step| wall_defaults::bends(step, &name, &wall));
         let said = deck.simplified.as_ref().and_then(|said| said.mesh);
+        deck.cautions.extend(mixed(&path, &wall));
         let mut derived = Derivation::of(deck, &wall).wall();
         if bends && said.is_none() && !derived.rigid {
             derived.mesh.thickness = THROUGH;
@@ -74,6 +80,32 @@ pub(super) fn derive(deck: &mut Deck) {
     }
     let given = deck.contact.parts;
     deck.contact.parts = [0, 1, 2].map(|d| given[d].max(parts[d]));
+}
+
+/// Axes nearest to the directions along and through a wall, as parts of facets follow them.
+fn axes(wall: &Wall) -> [usize; 2] {
+    let (along, through) = wall.axes();
+    [along, through].map(|axis| {
+        let mut way = [0.0; 3];
+        way[axis] = 1.0;
+        let way = wall.rotate.map_or(way, |rotate| rotate.turn(way));
+        let nearest = (0..3).max_by(|a, b| way[*a].abs().total_cmp(&way[*b].abs()));
+        nearest.unwrap_or(axis)
+    })
+}
+
+/// A caution about a wall whose units differ in their material: its joints have the stiffness and strength of one.
+fn mixed(path: &str, wall: &Wall) -> Option<(String, String)> {
+    let typical = Typical::of(wall);
+    (typical.share < WHOLE).then(|| {
+        let message = format!(
+            "its joints are derived as between units of {}, which are {:.0} % of them; those of other units are not told \
+             apart",
+            typical.material,
+            100.0 * typical.share
+        );
+        (format!("{path}.pattern"), message)
+    })
 }
 
 /// Whether a step drives the level beam without letting it rise, so that the wall is pressed as it is driven.
@@ -98,6 +130,8 @@ fn free_name(kind: &str, taken: impl Fn(&str) -> bool) -> String {
 struct Derivation<'a> {
     deck: &'a mut Deck,
     wall: &'a Wall,
+    /// Sizes of its units.
+    typical: Typical,
     unit: Solid,
     /// The mortar; none in a dry wall.
     mortar: Option<Solid>,
@@ -107,11 +141,13 @@ impl<'a> Derivation<'a> {
     /// Materials that are unknown were rejected when the deck was read.
     fn of(deck: &'a mut Deck, wall: &'a Wall) -> Self {
         let solid = |name: &String| deck.materials.get(name).map(|m| Solid::of(name, m));
-        let unit = solid(&wall.unit_material).unwrap_or_default();
+        let typical = Typical::of(wall);
+        let unit = solid(&typical.material).unwrap_or_default();
         let mortar = wall.mortar_material.as_ref().and_then(solid);
         Self {
             deck,
             wall,
+            typical,
             unit,
             mortar,
         }
@@ -121,7 +157,12 @@ impl<'a> Derivation<'a> {
     fn wall(mut self) -> Wall {
         let is_rigid = self.deck.strategy == Strategy::Rigid;
         let said = self.deck.simplified.clone().unwrap_or_default();
-        let [length, thickness, height] = self.wall.unit.map(Quantity::get);
+        let Typical {
+            along,
+            through,
+            height,
+            ..
+        } = self.typical;
         let bed = self.wall.bed_joint.get();
         let head = self.wall.head_joint.get();
         let collar = self.wall.collar_joint.map_or(head, Quantity::get);
@@ -134,8 +175,8 @@ impl<'a> Derivation<'a> {
         );
         let joints = [
             (interface.clone(), "bed", [height, bed], 1.0),
-            (heads, "head", [length, head], filled),
-            (collars, "collar", [thickness, collar], 1.0),
+            (heads, "head", [along, head], filled),
+            (collars, "collar", [through, collar], 1.0),
         ];
         let [bed, head, collar] = joints.map(|(name, place, [unit, joint], filled)| {
             let layers = Layers {
@@ -239,7 +280,7 @@ impl<'a> Derivation<'a> {
     /// Gives joints of the rigid units with blocks, beams and layers a stiffness as a bed joint of the wall has it, where
     /// the deck gives none.
     fn give_stiffness(&mut self) {
-        let [_, _, unit] = self.wall.unit.map(Quantity::get);
+        let unit = self.typical.height;
         let joint = self.wall.bed_joint.get();
         let deck = &self.deck;
         let named = deck.contacts.iter().map(|contact| &contact.interface);
@@ -273,7 +314,7 @@ impl<'a> Derivation<'a> {
     /// Adds the interface in the middle of units to the deck; none if they cannot crack.
     fn crack(&mut self) -> Option<String> {
         let of = self.deck.interfaces.get(&self.wall.interface)?;
-        let derived = self.unit.crack(of, self.wall.unit[0].get())?;
+        let derived = self.unit.crack(of, self.typical.along)?;
         let (kind, path) = (
             format!("{} (crack)", self.wall.unit_material),
             format!("materials.{}", self.wall.unit_material),

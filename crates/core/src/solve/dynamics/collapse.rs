@@ -89,6 +89,8 @@ impl Run<'_> {
         let sense = step_run.sense();
         let carried = if prescribes(step_run.step) {
             load_factor
+        } else if let Some(load_factor) = step_run.branch.unstable_from {
+            load_factor
         } else {
             sense * (sense * load_factor).max(step_run.branch.carried)
         };

@@ -293,6 +293,28 @@ impl Motion {
         inertia.max(OF_MOMENTUM * momentum)
     }
 
+    /// Size of the force of inertia on a slot, at least a small part of that which would stop it within the increment
+    /// [N].
+    pub fn size(&self, mass: &Mass, slot: usize) -> f64 {
+        /// That part: bodies in free motion have no other force.
+        const OF_MOMENTUM: f64 = 1e-5;
+        let inertia = mass.slot[slot] * self.acceleration[slot] + self.coupled[slot];
+        let stopping = mass.slot[slot] * self.velocity[slot] / self.dt;
+        inertia.abs().max(OF_MOMENTUM * stopping.abs())
+    }
+
+    /// Largest error of HHT within the increment at the displacements of a slot [mm]: (β − 1/6) Δt² |a₁ − a₀|; 0 for
+    /// backward Euler (docs/theory/inertia.md, eq. 15).
+    pub fn time_error(&self, state: &State) -> f64 {
+        let Scheme::Hht(alpha) = self.scheme else {
+            return 0.0;
+        };
+        let pairs = self.acceleration.iter().zip(&state.acceleration);
+        let change = pairs.map(|(a, start)| (a - start).abs());
+        let [beta, _] = newmark(alpha);
+        (beta - 1.0 / 6.0) * self.dt * self.dt * change.fold(0.0, f64::max)
+    }
+
     /// Whether the slot is prescribed.
     pub fn is_prescribed(&self, slot: usize) -> bool {
         self.prescribed[slot].is_some()

@@ -8,23 +8,18 @@
 
 use super::part::Part;
 use crate::assembly::dofs::{DofMap, Equations};
-use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
-use crate::linear::LinearError;
+use crate::assembly::{System, Trial};
 use crate::model::Model;
 use crate::model::loads::LoadOn;
 use crate::model::mesh::Reflected;
 use crate::model::scene::{BeamMotion, HeldBy, Step, Support};
 use crate::solve::Recorder;
+use crate::solve::stability::{is_negative, write_stiffness};
 use crate::solve::stepping::run::Run;
 use crate::solve::stepping::step_run::StepRun;
 use crate::state::QUIET;
+use crate::state::State;
 use crate::state::Status;
-use crate::state::{Clock, State};
-
-/// Part of the diagonal that is added to the stiffness, or subtracted from that at rest to find motions without
-/// resistance. It lies above the roundings of a mode without stiffness and below the least stiffness of slender
-/// structures (400 elements with joints: some 1e-11).
-const NEUTRAL: f64 = 1e-13;
 
 impl Run<'_> {
     /// Whether a solved part of the scene keeps the symmetry of the whole, where a step ends or its loads reverse. If
@@ -49,6 +44,7 @@ impl Run<'_> {
             return true;
         };
         self.summary.status = Status::NotConverged;
+        self.summary.lost_symmetry = true;
         self.summary.message = self.part.symmetry_message(&planes, &model.steps[step].name);
         recorder.note(&self.summary.message);
         false
@@ -89,14 +85,7 @@ fn symmetry_loss(
         let turned = (0..planes).filter(|p| set >> p & 1 != 0);
         turned.collect::<Vec<usize>>()
     });
-    // A motion without resistance even at rest, such as a stone that may turn on its bed, says nothing about
-    // stability.
-    let symmetry_loss = sets.find(|turned| {
-        asked.gives_way(turned, state, NEUTRAL) && {
-            let rest = asked.system.initial_state(model);
-            !asked.gives_way(turned, &rest, -NEUTRAL)
-        }
-    });
+    let symmetry_loss = sets.find(|turned| asked.gives_way(turned, state));
     system.springs.stiffen(springs);
     system.steered = steered;
     system.make_rigid(rigid);
@@ -113,9 +102,8 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// Whether the stiffness against motion antisymmetric about the planes `turned` is not positive definite at a
-    /// state, with `part_of_own` of its diagonal added.
-    fn gives_way(&mut self, turned: &[usize], state: &State, part_of_own: f64) -> bool {
+    /// Whether the stiffness against motion antisymmetric about the planes `turned` is not positive definite at a state.
+    fn gives_way(&mut self, turned: &[usize], state: &State) -> bool {
         let Self {
             model,
             part,
@@ -124,36 +112,12 @@ impl Asked<'_> {
             trial,
         } = self;
         system.springs.stiffen(across(part, turned));
-        if write(model, system, state, trial).is_none() {
+        if write_stiffness(model, system, state, trial).is_none() {
             return false;
         }
         let (dofs, equations) = turned_over(model, part, *step, turned);
-        let tried = system.try_factor(&dofs, &equations, trial, part_of_own);
-        matches!(
-            tried,
-            Err(LinearError::NotPositiveDefinite { .. } | LinearError::Singular { .. })
-        )
+        is_negative(system, (&dofs, &equations), trial)
     }
-}
-
-/// Evaluates the stiffness of all cells at a state, with the stiffness of the laws in joints; none if a law fails.
-fn write(model: &Model, system: &mut System, state: &State, trial: &mut Trial) -> Option<()> {
-    system.start(model, trial, state);
-    trial.spring_ends.clone_from(&state.spring_ends);
-    trial.ties.stages.clear();
-    trial.shift.stiffest = STIFFEST_UNDER_LOADS;
-    trial.shift.stiffening = STIFFEST_UNDER_LOADS;
-    let setting = Evaluation {
-        dt: 1.0,
-        solids: Solids::Held,
-        shifted: true,
-        tangent: true,
-        turning: Turning::Ignored,
-    };
-    let mut clock = Clock::default();
-    system
-        .evaluate(model, state, trial, &state.q, setting, &mut clock)
-        .ok()
 }
 
 /// Stiffness of springs on the mean of their nodes against antisymmetric motion, which is across one plane or zero

@@ -72,8 +72,7 @@ impl Part {
         let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
         format!(
             "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: before that it buckles or bows to \
-             one side, which the part that is solved cannot; try fidelity = \"full\", which solves all of it, \
-             with a small load (a thousandth) that tips it: an exactly straight wall finds no side",
+             one side, which the part that is solved cannot; try fidelity = \"full\", which solves all of it",
             planes.join(" and ")
         )
     }

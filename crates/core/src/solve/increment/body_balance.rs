@@ -60,7 +60,7 @@ impl Bodies {
     }
 
     /// Largest resultant of the out-of-balance forces on a body over the forces that act on it. `residual`: [N]
-    /// `[equation]`; `slot_of`: slot of each equation; `loads`: [N] `[slot]`; `least`: smallest scale of a node [N].
+    /// `[equation]`; `slot_of`: slot of each equation; `loads`: those of inertia included [N] `[slot]`; `least`: smallest scale of a node [N].
     pub(in crate::solve) fn worst(
         &self,
         (system, trial): (&System, &Trial),

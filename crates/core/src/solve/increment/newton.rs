@@ -376,17 +376,19 @@ impl<'m> Newton<'m> {
         (holds && self.bodies_balance(at, part, scale), work)
     }
 
-    /// Whether the out-of-balance forces of each body are below `part` of their tolerance. Bodies that `dynamic` lets fly
-    /// may have none but those of their inertia.
+    /// Whether the out-of-balance forces of each body are below `part` of their tolerance.
     fn bodies_balance(&self, at: &Problem<'_>, part: f64, scale: f64) -> bool {
-        if self.choice.method == Method::Dynamic {
-            return true;
-        }
         // Without load all forces are roundings.
         let least = (LEAST * scale).max(self.scales.least);
         let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
-        let loads = &self.loading.loads.total;
-        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, loads, least);
+        let mut loads = self.loading.loads.total.clone();
+        if let (Some(motion), Method::Dynamic) = (&self.motion, self.choice.method) {
+            // Bodies that fly may have no forces but those of their inertia.
+            for (slot, load) in loads.iter_mut().enumerate() {
+                *load = load.abs() + motion.size(&at.system.mass, slot);
+            }
+        }
+        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, &loads, least);
         worst <= part * RESULTANT
     }
 

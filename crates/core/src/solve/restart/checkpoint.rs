@@ -74,8 +74,9 @@ struct Mark {
     schedule: Schedule,
     fallback: Fallback,
     path_measure: PathMeasure,
-    /// Row of the amplitude, and the largest part of the loads that statics carried on the way to it.
-    row: (usize, f64),
+    /// Row of the amplitude, the largest part of the loads that statics carried on the way to it, and that from which the
+    /// equilibrium is not stable.
+    row: (usize, f64, Option<f64>),
     load: f64,
     beyond: Option<f64>,
     watch: Option<Watch>,
@@ -235,7 +236,11 @@ impl<'m> Run<'m> {
                 schedule: step_run.schedule.clone(),
                 fallback: step_run.fallback.clone(),
                 path_measure: step_run.path.measure.clone(),
-                row: (step_run.branch.index, step_run.branch.carried),
+                row: (
+                    step_run.branch.index,
+                    step_run.branch.carried,
+                    step_run.branch.unstable_from,
+                ),
                 load: step_run.load,
                 beyond: step_run.snap.beyond,
                 watch: step_run.watch.clone(),
@@ -337,7 +342,7 @@ impl<'m> Run<'m> {
         let has_mass = self.massless(step).is_none();
         let fallback = mark.fallback.of_step(model, step, has_mass);
         let fallback = fallback.ok_or(unfit("the step has other methods"))?;
-        let (row, carried) = mark.row;
+        let (row, carried, unstable_from) = mark.row;
         if row >= step.branches() {
             return Err(unfit("the amplitude of the step has fewer rows"));
         }
@@ -351,6 +356,7 @@ impl<'m> Run<'m> {
         step_run.path.measure = measure.ok_or(unfit("the path is measured by other sizes"))?;
         (step_run.load, step_run.snap.beyond) = (mark.load, mark.beyond);
         step_run.branch.carried = carried;
+        step_run.branch.unstable_from = unstable_from;
         (step_run.branch.index, step_run.branch.of) = (row, branch);
         step_run.peak = mark.peak;
         step_run.snap.relaxations = mark.relaxations;

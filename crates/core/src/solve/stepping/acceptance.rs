@@ -24,8 +24,11 @@ const STIFFER: f64 = 1.05;
 const LOST: f64 = 5e-3;
 /// Part of a branch of the amplitude by which a path may slide back beyond its start.
 const BACK: f64 = 0.02;
-/// Largest energy gain in an impact, as a part of the kinetic energy.
+/// Largest energy gain in an impact, as a part of the change of the kinetic energy. The energy itself depends on what moves
+/// elsewhere.
 const GAIN: f64 = 0.01;
+/// The same as a part of the kinetic energy: the rounding of its change.
+const ROUNDING: f64 = 1e-6;
 /// Part of the pressed contact points that must meet or part in an impact.
 const IMPACT: f64 = 0.2;
 
@@ -96,8 +99,13 @@ impl Run<'_> {
     fn makes_energy(&self, step_run: &mut StepRun, dynamic: bool) -> bool {
         let (system, state, trial) = (&self.system, &self.state, &self.trial);
         let taken = step_run.newton.numerical_dissipation(system, state, trial);
-        let makes_energy = dynamic && taken < -GAIN * state.energies.kinetic;
         let motion = step_run.newton.motion();
+        let before = state.energies.kinetic;
+        let after = motion
+            .as_ref()
+            .map_or(before, |motion| motion.kinetic_energy(&system.mass));
+        let most = GAIN * (after - before).abs() + ROUNDING * before;
+        let makes_energy = dynamic && taken < -most;
         motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }
 

@@ -45,9 +45,37 @@ pub struct Swings {
     step: usize,
     time: f64,
     worst: f64,
+    /// Largest error of the time integration within an increment of `dynamic` [mm], its step, and the largest displacement
+    /// [mm].
+    coarse: (f64, usize, f64),
 }
 
+/// Error of the time integration within an increment over the largest displacement, from which it is reported: that of 14
+/// increments in a period, whose frequency errs by 1.4 %.
+const COARSE: f64 = 0.01;
+
 impl Swings {
+    /// Notes the error of the time integration in an increment of a step [mm], and the largest displacement at its end
+    /// [mm].
+    pub fn note_time_error(&mut self, step: usize, error: f64, displacement: f64) {
+        if error > self.coarse.0 {
+            (self.coarse.0, self.coarse.1) = (error, step);
+        }
+        self.coarse.2 = self.coarse.2.max(displacement);
+    }
+
+    /// Warning, if the increments are coarse for the motion.
+    pub fn time_warning(&self) -> Option<String> {
+        let (error, step, displacement) = self.coarse;
+        (error > COARSE * displacement).then(|| {
+            format!(
+                "the increments are coarse for the motion of steps.{step}: within one of them the time integration errs by up \
+                 to {:.1} % of the largest displacement; see whether smaller ones (increments.max) change the results",
+                100.0 * error / displacement
+            )
+        })
+    }
+
     /// Counts a committed increment if it was not quasi-static.
     pub fn add(&mut self, row: &HistoryRow) {
         let ratio = row.kinetic_energy_J / row.taken_J();

@@ -117,7 +117,12 @@ impl Run<'_> {
         self.adopt(step_run);
         let floor = step_run.fallback.floor();
         match step_run.fallback.method() {
-            Method::QuasiStatic => self.begin_inertia(step_run, size.min(floor)),
+            Method::QuasiStatic => {
+                self.begin_inertia(step_run, size.min(floor));
+                if matches!(rejection, Rejection::Linear { dof: Some(_), .. }) {
+                    self.disturb(step_run);
+                }
+            }
             // The equations are linear, so the trouble that cut the increment does not affect them.
             Method::Implex => step_run.schedule.resume(size.max(floor)),
             // No method follows the path: jump over it, to the equilibrium found beyond or else by the largest

@@ -80,6 +80,19 @@ pub fn run(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunErr
     run_part(model, &Part::default(), recorder).map(Summary::in_words)
 }
 
+/// Runs a model from rest of which a part was solved that lost its symmetry ([`Summary::lost_symmetry`]). Its fidelity
+/// is to be full.
+///
+/// # Errors
+/// [`RunError`].
+pub fn run_whole(model: &Model, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
+    const TOLD: &str = "the part that was solved has lost its symmetry: all of the scene is solved, from its first step";
+    recorder.note(TOLD);
+    let mut summary = run(model, recorder)?;
+    summary.log.insert(0, TOLD.to_owned());
+    Ok(summary)
+}
+
 /// Runs a model that is the given part of the scene shown.
 fn run_part(model: &Model, part: &Part, recorder: &mut dyn Recorder) -> Result<Summary, RunError> {
     if let Some(instead) = Reduction::of(model) {
@@ -172,6 +185,7 @@ impl<'m> Run<'m> {
         self.report_moving_bodies();
         self.summary.warnings.extend(self.snaps.warning());
         self.summary.warnings.extend(self.swings.warning());
+        self.summary.warnings.extend(self.swings.time_warning());
         let whole = self.part.wholes();
         self.summary.warnings.extend(self.carried.warning(whole));
         self.summary.warnings.extend(self.carried.viscous_warning());
@@ -244,6 +258,7 @@ impl<'m> Run<'m> {
             }
         }
         self.clock = self.clock + step_run.newton.clock;
+        self.warn_of_instability(&step_run);
         Ok(self.keeps_symmetry(&step_run, recorder))
     }
 
@@ -312,12 +327,12 @@ impl<'m> Run<'m> {
             motion.end_shock();
         }
         let viscous = self.viscous_share(step_run, request, report);
+        self.note_time_error(step_run);
         let size = request.increment.size;
         let dq = self.commit(&mut step_run.newton, step_run.step, size, added);
         step_run.load = report.load_factor;
         if !request.method.has_inertia() {
-            let load = step_run.sense() * step_run.load;
-            step_run.branch.carried = step_run.branch.carried.max(load);
+            step_run.note_carried();
         }
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
@@ -334,6 +349,9 @@ impl<'m> Run<'m> {
         let hastens = self.state.energies.hastens(&before);
         // A block that slides under little more than its limit gains speed, but never much energy beside its friction.
         let moves = self.state.energies.moves_on(&before) || (step_run.held > 0 && hastens);
+        if !collapsed {
+            self.watch_stability(step_run, start);
+        }
         let why = self.watch(step_run, carried);
         let whole = step_run.is_whole();
         let end = whole || why.is_some() || collapsed;
@@ -347,9 +365,7 @@ impl<'m> Run<'m> {
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
         step_run.hold_or_go_on(moves || hastens);
-        if collapsed {
-            self.report_collapse(step_run, recorder);
-        }
+        self.report_collapse(step_run, recorder);
         let mut keeps_symmetry = true;
         if !end && step_run.is_at_row() {
             keeps_symmetry = self.keeps_symmetry(step_run, recorder);
@@ -364,6 +380,20 @@ impl<'m> Run<'m> {
             "stopped by the user".clone_into(&mut self.summary.message);
         }
         Ok(keep && keeps_symmetry && !collapsed)
+    }
+
+    /// Notes the error of the time integration in the increment that is to be committed.
+    fn note_time_error(&mut self, step_run: &mut StepRun) {
+        let Some(motion) = step_run.newton.motion() else {
+            return;
+        };
+        let error = motion.time_error(&self.state);
+        let farthest = self
+            .state
+            .q
+            .iter()
+            .fold(0.0, |most: f64, q| most.max(q.abs()));
+        self.swings.note_time_error(step_run.index, error, farthest);
     }
 
     /// Adds the increment to the counters from which the warnings of the summary follow. Returns whether inertia
@@ -492,6 +522,7 @@ impl<'m> Run<'m> {
             return;
         }
         step_run.branch.carried = f64::NEG_INFINITY;
+        step_run.branch.unstable_from = None;
         // Where loads reverse, the last increment does not predict the next.
         self.state.last = None;
         step_run.path.measure.forget();

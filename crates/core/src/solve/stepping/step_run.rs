@@ -57,6 +57,8 @@ pub(in crate::solve) struct BranchRun {
     pub(in crate::solve) of: Branch,
     /// Largest part of the loads that statics carried on it, counted in the sense in which it changes.
     pub(in crate::solve) carried: f64,
+    /// Part of the loads from which the equilibrium is not stable, since the last increment of statics.
+    pub(in crate::solve) unstable_from: Option<f64>,
 }
 
 /// Attempts since the last commit.
@@ -167,6 +169,7 @@ impl<'m> StepRun<'m> {
                 index: 0,
                 of: step.branch(0),
                 carried: f64::NEG_INFINITY,
+                unstable_from: None,
             },
             load: 0.0,
             attempts: Attempts::default(),
@@ -184,6 +187,13 @@ impl<'m> StepRun<'m> {
             },
             held: 0,
         }
+    }
+
+    /// Notes that statics carries the present loads.
+    pub(in crate::solve) fn note_carried(&mut self) {
+        let load = self.sense() * self.load;
+        self.branch.carried = self.branch.carried.max(load);
+        self.branch.unstable_from = None;
     }
 
     /// Holds the loads while bodies that inertia carries `move`, and lets them grow again once these are at rest
