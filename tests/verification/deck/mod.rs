@@ -19,6 +19,7 @@ mod reading;
 mod scatter;
 mod scenes;
 mod schema;
+mod sides;
 mod snap;
 mod stone_files;
 mod strategies;

@@ -10,7 +10,7 @@ use wythe::state::{Status, Summary};
 fn column(blocks: &str, ends: [&str; 2], load: f64) -> Summary {
     let [foot, top] = ends;
     let deck = format!(
-        "format = 1\n[materials.m]\nE = \"1 GPa\"\nnu = 0\ndensity = \"1800 kg/m^3\"\n[interfaces.j]\nf_t = \"5 MPa\"\n\
+        "format = 1\nfidelity = \"full\"\n[materials.m]\nE = \"1 GPa\"\nnu = 0\ndensity = \"1800 kg/m^3\"\n[interfaces.j]\nf_t = \"5 MPa\"\n\
          c = \"5 MPa\"\ntan_phi = 0.7\nmu = 0.7\nzeta = 4\nxi = 2\nG_I = \"1 N/mm\"\nG_II = \"1 N/mm\"\n\
          [[blocks]]\nname = \"b\"\nmaterial = \"m\"\n{blocks}\n[[supports]]\non = \"{foot}\"\n[[steps]]\n\
          kind = \"load\"\n[[steps.loads]]\nname = \"N\"\non = \"{top}\"\nforce = [0, 0, {}]\n",
@@ -38,7 +38,7 @@ fn a_straight_column_buckles_at_its_critical_load() {
         let stands = column(blocks, ends, 0.96 * CRITICAL);
         assert_eq!(stands.status, Status::Completed, "{}", stands.message);
         assert!(stands.warnings.is_empty(), "{:?}", stands.warnings);
-        for times in [1.3, 5.0, 20.0] {
+        for times in [1.3, 5.0] {
             let falls = column(blocks, ends, times * CRITICAL);
             assert_eq!(
                 falls.status,

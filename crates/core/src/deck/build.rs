@@ -49,7 +49,7 @@ impl Model {
         };
         let floats = errors.keep(parts.floating(deck, &bodies)).flatten();
         let overlaps = errors.keep(overlap::overlaps(deck, &bodies));
-        let named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
+        let mut named = errors.keep(loads::loads(deck, &bodies)).unwrap_or_default();
         let actions = symmetry::Actions {
             springs: &parts.springs,
             loads: named.all(),
@@ -57,7 +57,6 @@ impl Model {
         };
         let planes = &parts.supports[parts.of_deck..];
         errors.keep(symmetry::judge_held(deck, &bodies, planes, &actions));
-        let names = std::mem::take(&mut bodies.materials);
         bodies.mesh.names = bodies.names();
         bodies.mesh.walls = bodies.walls_of_units();
         let ties = errors.keep(ties::ties(deck, &bodies, &mut parts.loading.steps));
@@ -65,11 +64,12 @@ impl Model {
         let laid_floors = errors.keep(floors::floors(deck, &bodies, &mut parts.loading.steps));
         let (floors, springs_of_floors) = laid_floors.unwrap_or_default();
         ties.extend(springs_of_floors);
-        let bond = findings::bond(deck, &bodies.walls);
+        let mut bond = findings::bond(deck, &bodies.walls);
+        bond.append(&mut named.warnings);
         let mut model = Self {
             title: deck.title.clone(),
             mesh: bodies.mesh,
-            materials: named_materials(names, parts.parameters),
+            materials: named_materials(bodies.materials, parts.parameters),
             formulation: deck.element.formulation,
             contact: parts.meeting.contact,
             loads: named.assign(&mut parts.loading.steps),

@@ -109,7 +109,7 @@ fn lattice(
     let units: Vec<Vec<[[f64; 3]; 4]>> = places
         .iter()
         .map(|place| {
-            let facets = bodies.open_facets(*place).into_iter();
+            let facets = bodies.open_facets(*place).0.into_iter();
             let corners = facets.map(|(_, facet)| facet.map(|n| bodies.mesh.nodes[n as usize]));
             corners.collect()
         })

@@ -6,7 +6,7 @@ use super::bodies::Bodies;
 use super::schema::{Deck, DeckLoad, Names};
 use crate::element::facet;
 use crate::element::hexahedron::norm;
-use crate::error::{Errors, ModelError};
+use crate::error::{Errors, ModelError, Warning};
 use crate::model::loads::{Load, LoadOn};
 use crate::model::scene::Step;
 use place::{Place, Site};
@@ -18,7 +18,12 @@ pub(super) struct Named {
     loads: Vec<Load>,
     /// Value at the end of each step; none if it does not change. `[step][load]`
     values: Vec<Vec<Option<[f64; 3]>>>,
+    /// Warnings about the faces on which they act.
+    pub(super) warnings: Vec<Warning>,
 }
+
+/// Part of the area on which a load acts by which it may be wrong unnoticed.
+const WRONG_AREA: f64 = 0.01;
 
 impl Named {
     /// Loads in the order in which steps first name them.
@@ -42,8 +47,12 @@ impl Named {
 pub(super) fn loads(deck: &Deck, bodies: &Bodies<'_>) -> Result<Named, ModelError> {
     let place = |path: &str, names: &Names, faces: bool| {
         let places = bodies.places(path, names, faces)?;
-        let open = places.iter().flat_map(|place| bodies.open_facets(*place));
-        let mut facets: Vec<_> = open.collect();
+        let (mut facets, mut excess) = (Vec::new(), 0.0);
+        for place in &places {
+            let (open, beyond) = bodies.open_facets(*place);
+            facets.extend(open);
+            excess += beyond;
+        }
         if facets.is_empty() {
             facets.extend(places.iter().flat_map(|place| bodies.facets(*place)));
         }
@@ -52,6 +61,7 @@ pub(super) fn loads(deck: &Deck, bodies: &Bodies<'_>) -> Result<Named, ModelErro
             nodes: bodies.nodes(&places),
             mixed: whole > 0 && whole < places.len(),
             facets: facets.into_iter().map(|(_, facet)| facet).collect(),
+            excess,
         })
     };
     named(deck, &Site::new(deck, &bodies.mesh, &place))
@@ -77,6 +87,7 @@ fn named(deck: &Deck, site: &Site<'_>) -> Result<Named, ModelError> {
                 let Some(new) = errors.keep(new) else {
                     continue;
                 };
+                all.warnings.extend(site.wrong_area(&path, load));
                 places.insert(&load.name, all.loads.len());
                 all.loads.push(new);
                 all.loads.len() - 1
@@ -147,6 +158,24 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 }
 
 impl Site<'_> {
+    /// A warning about a pressure or traction on facets that another wall covers in part.
+    fn wrong_area(&self, path: &str, load: &DeckLoad) -> Option<Warning> {
+        if load.pressure.is_none() && load.traction.is_none() {
+            return None;
+        }
+        let on = self.on(path, load, true).ok()?;
+        let areas = self.areas(&on.facets);
+        let total: f64 = areas.iter().map(|(_, area)| area).sum();
+        (on.excess.abs() > WRONG_AREA * total).then(|| {
+            let message = format!(
+                "the load acts on {total:.4e} mm^2, and {:.4e} mm^2 of these faces are not covered by other walls: facets count \
+                 whole or not at all; a finer mesh comes nearer",
+                total - on.excess
+            );
+            self.deck.warning(&format!("{path}.on"), message)
+        })
+    }
+
     /// ∫ N n dA of the nodes of the facets at rest [mm²].
     fn area_vectors(&self, facets: &[[u32; 4]]) -> Vec<(u32, [f64; 3])> {
         let of = facets.iter().flat_map(|facet| {

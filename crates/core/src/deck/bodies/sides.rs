@@ -17,6 +17,9 @@ const BEFORE: f64 = 1e-3;
 /// Natural coordinate up to which a point counts as inside.
 const INSIDE: f64 = 1.0 + 1e-6;
 
+/// Points along each side of a facet at which it is tested.
+const SAMPLES: usize = 10;
+
 /// Element and nodes of a facet.
 type Facet = (usize, [u32; 4]);
 
@@ -49,14 +52,21 @@ impl Bodies<'_> {
         facets.iter().filter(within).copied().collect()
     }
 
-    /// Facets of a place that are not covered by a unit of another wall.
-    pub(in crate::deck) fn open_facets(&self, place: Place) -> Vec<Facet> {
+    /// Facets of a place of which no more than half is covered by a unit of another wall, and by how much their area
+    /// exceeds that which is not covered [mm²].
+    pub(in crate::deck) fn open_facets(&self, place: Place) -> (Vec<Facet>, f64) {
         let mut facets = self.facets(place);
         let own = place.side.then(|| self.wall_number(place.body)).flatten();
+        let mut excess = 0.0;
         if let Some(own) = own.filter(|_| self.walls.len() > 1) {
-            facets.retain(|facet| !self.is_covered(facet, own));
+            facets.retain(|facet| {
+                let (covered, area) = self.covered(facet, own);
+                let open = covered <= 0.5;
+                excess += if open { covered } else { covered - 1.0 } * area;
+                open
+            });
         }
-        facets
+        (facets, excess)
     }
 
     /// Index of the wall of which a body is a unit.
@@ -65,25 +75,42 @@ impl Bodies<'_> {
         walls.position(|wall| wall.bodies.contains(&body))
     }
 
-    /// Whether a unit of a wall other than number `own` lies before the middle of a facet.
-    fn is_covered(&self, facet: &Facet, own: usize) -> bool {
+    /// Part of a facet before which a unit of a wall other than number `own` lies [-], and the area of the facet [mm²].
+    fn covered(&self, facet: &Facet, own: usize) -> (f64, f64) {
         let corners = facet.1.map(|n| self.mesh.nodes[n as usize]);
         let area = area_vector(&corners);
         let (size, ahead) = (norm(area), BEFORE * edge(&corners));
-        let point = [0, 1, 2].map(|d| {
-            let middle = corners.iter().map(|x| x[d]).sum::<f64>() / 4.0;
-            middle + ahead * area[d] / size
+        let mut reach = Aabb::of(&corners);
+        for d in 0..3 {
+            reach.min[d] -= ahead;
+            reach.max[d] += ahead;
+        }
+        let near = |(around, body, _): &&(Aabb, usize, Vec<usize>)| {
+            let meet =
+                (0..3).all(|d| around.min[d] <= reach.max[d] && reach.min[d] <= around.max[d]);
+            meet && !self.walls[own].bodies.contains(body)
+        };
+        let near: Vec<_> = self.units().all.iter().filter(near).collect();
+        if near.is_empty() {
+            return (0.0, size);
+        }
+        let inside = |point: [f64; 3]| {
+            let mut elements = near.iter().flat_map(|(.., elements)| elements);
+            elements.any(|e| {
+                let at = natural(&self.mesh.corners(*e), point);
+                at.is_some_and(|xi| xi.iter().all(|x| x.abs() <= INSIDE))
+            })
+        };
+        let all = (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| [i, j]));
+        let covered = all.filter(|ij| {
+            let [s, t] = ij.map(|i| (i as f64 + 0.5) / SAMPLES as f64);
+            let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
+            inside([0, 1, 2].map(|d| {
+                let at: f64 = corners.iter().zip(weights).map(|(x, w)| w * x[d]).sum();
+                at + ahead * area[d] / size
+            }))
         });
-        let inside = |e: &usize| {
-            let at = natural(&self.mesh.corners(*e), point);
-            at.is_some_and(|xi| xi.iter().all(|x| x.abs() <= INSIDE))
-        };
-        let holds = |(around, body, elements): &(Aabb, usize, Vec<usize>)| {
-            (0..3).all(|d| (around.min[d]..=around.max[d]).contains(&point[d]))
-                && !self.walls[own].bodies.contains(body)
-                && elements.iter().any(inside)
-        };
-        self.units().all.iter().any(holds)
+        (covered.count() as f64 / (SAMPLES * SAMPLES) as f64, size)
     }
 
     /// Units of all walls with their elements.

@@ -15,6 +15,8 @@ pub(super) struct Place {
     pub(super) nodes: Vec<u32>,
     /// Facets of the named faces, counter-clockwise seen from outside.
     pub(super) facets: Vec<[u32; 4]>,
+    /// Area of the facets beyond that which no other wall covers [mm²].
+    pub(super) excess: f64,
     /// Whether the names contain both faces and whole blocks.
     pub(super) mixed: bool,
 }
@@ -24,7 +26,7 @@ type Named<'a> = dyn Fn(&str, &Names, bool) -> Result<Place, ModelError> + 'a;
 
 /// The scene in which places of loads are searched.
 pub(super) struct Site<'a> {
-    deck: &'a Deck,
+    pub(super) deck: &'a Deck,
     pub(super) mesh: &'a Mesh,
     named: &'a Named<'a>,
 }

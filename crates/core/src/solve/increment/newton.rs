@@ -76,6 +76,7 @@ impl<'m> Newton<'m> {
             scales: Scales {
                 least: least_scale(step, system, &loads),
                 bodies: Bodies::new(model, system),
+                loosened: 1.0,
             },
             choice: MethodChoice {
                 method: Method::Static,
@@ -360,7 +361,7 @@ impl<'m> Newton<'m> {
     fn is_balanced(&self, at: &Problem<'_>, balance: &Balance, scale: f64) -> (bool, f64) {
         // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
         let part = if at.solves.count == 0 { START } else { 1.0 };
-        let most = self.step.tolerance.residual;
+        let most = self.scales.loosened * self.step.tolerance.residual;
         let balanced = balance.holds(part, most);
         // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
         let loaded = scale > self.scales.least;
@@ -390,6 +391,11 @@ impl<'m> Newton<'m> {
         }
         let worst = (self.scales.bodies).worst((at.system, at.trial), residual, &loads, least);
         worst <= part * RESULTANT
+    }
+
+    /// Returns to the tolerance of the deck after an increment with a loosened one; false if it had that of the deck.
+    pub(in crate::solve) fn tighten(&mut self) -> bool {
+        std::mem::replace(&mut self.scales.loosened, 1.0) > 1.0
     }
 
     /// Report on an increment in balance whose matrix is positive definite.

@@ -24,8 +24,8 @@ const STIFFER: f64 = 1.05;
 const LOST: f64 = 5e-3;
 /// Part of a branch of the amplitude by which a path may slide back beyond its start.
 const BACK: f64 = 0.02;
-/// Largest energy gain in an impact, as a part of the change of the kinetic energy. The energy itself depends on what moves
-/// elsewhere.
+/// Largest energy gain in an impact, as a part of the change of the kinetic energy or of the elastic energy, whichever is
+/// more. The kinetic energy itself depends on what moves elsewhere.
 const GAIN: f64 = 0.01;
 /// The same as a part of the kinetic energy: the rounding of its change.
 const ROUNDING: f64 = 1e-6;
@@ -104,7 +104,8 @@ impl Run<'_> {
         let after = motion
             .as_ref()
             .map_or(before, |motion| motion.kinetic_energy(&system.mass));
-        let most = GAIN * (after - before).abs() + ROUNDING * before;
+        let exchanged = (after - before).abs().max(state.energies.elastic);
+        let most = GAIN * exchanged + ROUNDING * before;
         let makes_energy = dynamic && taken < -most;
         motion.is_some_and(|motion| makes_energy && motion.take_shock())
     }

@@ -11,9 +11,28 @@ pub struct Snaps {
     step: usize,
     first: f64,
     worst: f64,
+    /// Number of increments with a loosened tolerance, and the largest force that they left.
+    loosened: (usize, f64),
 }
 
 impl Snaps {
+    /// Counts a committed increment whose tolerance of a single force was loosened.
+    pub fn loosen(&mut self, row: &HistoryRow) {
+        self.loosened.0 += 1;
+        self.loosened.1 = self.loosened.1.max(row.out_of_balance);
+    }
+
+    /// Warning, if the tolerance was loosened.
+    pub fn loosened_warning(&self) -> Option<String> {
+        let (count, worst) = self.loosened;
+        (count > 0).then(|| {
+            format!(
+                "{count} increments, which would have ended the run, leave up to {worst:.2} of the mean nodal force out of \
+                 balance at single nodes; their root mean square and work are within the tolerance"
+            )
+        })
+    }
+
     /// Counts a committed increment.
     pub fn add(&mut self, row: &HistoryRow) {
         if self.count == 0 {

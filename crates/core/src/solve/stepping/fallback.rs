@@ -249,6 +249,11 @@ impl Fallback {
         leaves
     }
 
+    /// Returns to the first method, where the last one has failed.
+    pub fn begin_again(&mut self) {
+        (self.at, self.calm, self.stalls) = (0, 0, 0);
+    }
+
     /// Starts with inertia, if available, because bodies already move.
     pub fn start_moving(&mut self) {
         self.at = self.inertia().unwrap_or(0);

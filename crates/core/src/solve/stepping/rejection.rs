@@ -4,7 +4,9 @@ use super::explain;
 use super::fallback::Answer;
 use super::run::{CUT, Run, RunError};
 use super::step_run::{IncrementRequest, StepRun};
+use crate::model::scene::Procedure;
 use crate::solve::Recorder;
+use crate::solve::increment::convergence::{IMBALANCE, LOOSENED};
 use crate::solve::increment::outcome::Rejection;
 use crate::state::Method;
 use crate::state::Status;
@@ -37,6 +39,33 @@ impl Run<'_> {
             return Err(RunError::JointLaw { law, point, gap });
         }
         Ok(())
+    }
+
+    /// Loosens the tolerance of a single force for one increment of the first method, if the last resort failed for no
+    /// other reason; false if it did not, or if it is loosened already.
+    fn loosens(&mut self, step_run: &mut StepRun, rejection: &Rejection) -> bool {
+        let Rejection::Iterations {
+            residual,
+            root_mean_square,
+            ..
+        } = *rejection
+        else {
+            return false;
+        };
+        let most = LOOSENED * step_run.step.tolerance.residual;
+        let seeks = step_run.step.procedure == Procedure::Auto;
+        if !seeks
+            || step_run.newton.scales.loosened > 1.0
+            || residual > most
+            || root_mean_square > IMBALANCE
+        {
+            return false;
+        }
+        step_run.newton.scales.loosened = LOOSENED;
+        step_run.fallback.begin_again();
+        self.adopt(step_run);
+        step_run.schedule.resume(step_run.fallback.floor());
+        true
     }
 
     /// Chooses the next attempt after a rejection; false if none is left.
@@ -85,6 +114,7 @@ impl Run<'_> {
         match answer {
             Answer::Cut => {}
             Answer::NextMethod => self.change_method(step_run, request, rejection, recorder),
+            Answer::GiveUp if self.loosens(step_run, rejection) => return true,
             Answer::GiveUp => self.give_up(step_run, request, rejection),
         }
         answer != Answer::GiveUp

@@ -184,6 +184,7 @@ impl<'m> Run<'m> {
         }
         self.report_moving_bodies();
         self.summary.warnings.extend(self.snaps.warning());
+        self.summary.warnings.extend(self.snaps.loosened_warning());
         self.summary.warnings.extend(self.swings.warning());
         self.summary.warnings.extend(self.swings.time_warning());
         let whole = self.part.wholes();
@@ -400,11 +401,14 @@ impl<'m> Run<'m> {
     /// carries its force.
     fn count(
         &mut self,
-        step_run: &StepRun,
+        step_run: &mut StepRun,
         method: Method,
         (row, viscous): (&HistoryRow, f64),
     ) -> bool {
         self.energy_watch.add(row);
+        if step_run.newton.tighten() {
+            self.snaps.loosen(row);
+        }
         let seeks = step_run.step.procedure.seeks_equilibrium();
         match method {
             // Motion is expected where `auto` uses inertia, but not in quasi-static steps of a deck.
