@@ -48,7 +48,7 @@ impl Run<'_> {
     /// stable. This is checked each time the loads have changed by `increments.peak`.
     pub(in crate::solve) fn watch_stability(&mut self, step_run: &mut StepRun, start: f64) {
         let step = step_run.step;
-        let seeks = step.procedure == Procedure::Auto && step.only_loads();
+        let seeks = step.procedure == Procedure::Auto && !step.drives();
         let carried = step_run.fallback.method() == Method::QuasiStatic;
         let rung = |load: f64| (load.abs().ln() / step.increments.peak.ln_1p()).floor();
         let changed = start == 0.0 || rung(start) != rung(step_run.load);
