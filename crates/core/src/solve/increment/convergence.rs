@@ -34,12 +34,15 @@ pub(in crate::solve) struct Scales {
     pub(in crate::solve) least: f64,
     /// Bodies, each of which balances by itself.
     pub(in crate::solve) bodies: Bodies,
-    /// Factor of the tolerance of a single force: 1, or more for an increment before which the run would end.
-    pub(in crate::solve) loosened: f64,
+    /// Number of further increments whose tolerance of a single force is loosened.
+    pub(in crate::solve) loosened: u32,
 }
 
 /// Factor of the tolerance of a single force where the run would end otherwise.
 pub(in crate::solve) const LOOSENED: f64 = 4.0;
+
+/// Number of increments that are solved so: a run that ends at one would soon end at the next.
+pub(in crate::solve) const LOOSENED_FOR: u32 = 20;
 
 /// Measures of the out-of-balance forces.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@
 use super::body_balance::{Bodies, LEAST, RESULTANT};
 pub use super::convergence::IMBALANCE;
 use super::convergence::{
-    Balance, NEGLIGIBLE, Scales, WORK, largest, least_scale, root_mean_square,
+    Balance, LOOSENED, NEGLIGIBLE, Scales, WORK, largest, least_scale, root_mean_square,
 };
 use super::energy_balance::pursuit;
 use super::external_forces::Loads;
@@ -76,7 +76,7 @@ impl<'m> Newton<'m> {
             scales: Scales {
                 least: least_scale(step, system, &loads),
                 bodies: Bodies::new(model, system),
-                loosened: 1.0,
+                loosened: 0,
             },
             choice: MethodChoice {
                 method: Method::Static,
@@ -361,7 +361,12 @@ impl<'m> Newton<'m> {
     fn is_balanced(&self, at: &Problem<'_>, balance: &Balance, scale: f64) -> (bool, f64) {
         // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
         let part = if at.solves.count == 0 { START } else { 1.0 };
-        let most = self.scales.loosened * self.step.tolerance.residual;
+        let loosened = if self.scales.loosened > 0 {
+            LOOSENED
+        } else {
+            1.0
+        };
+        let most = loosened * self.step.tolerance.residual;
         let balanced = balance.holds(part, most);
         // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
         let loaded = scale > self.scales.least;
@@ -393,9 +398,11 @@ impl<'m> Newton<'m> {
         worst <= part * RESULTANT
     }
 
-    /// Returns to the tolerance of the deck after an increment with a loosened one; false if it had that of the deck.
+    /// Counts an increment that was solved with a loosened tolerance; false if it was not.
     pub(in crate::solve) fn tighten(&mut self) -> bool {
-        std::mem::replace(&mut self.scales.loosened, 1.0) > 1.0
+        let loosened = self.scales.loosened > 0;
+        self.scales.loosened = self.scales.loosened.saturating_sub(1);
+        loosened
     }
 
     /// Report on an increment in balance whose matrix is positive definite.

@@ -29,6 +29,8 @@ pub struct CarriedOver {
     left: Vec<f64>,
     /// Increments in which traction patterns are not settled.
     pause: Pause,
+    /// Number of further increments with a loosened tolerance.
+    loosened: u32,
 }
 
 impl Newton<'_> {
@@ -64,6 +66,7 @@ impl Newton<'_> {
         CarriedOver {
             left: self.vectors.left.clone(),
             pause: self.pause,
+            loosened: self.scales.loosened,
         }
     }
 
@@ -73,6 +76,7 @@ impl Newton<'_> {
             return false;
         }
         (self.vectors.left, self.pause) = (carried.left, carried.pause);
+        self.scales.loosened = carried.loosened;
         true
     }
 

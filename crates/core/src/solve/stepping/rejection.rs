@@ -6,7 +6,7 @@ use super::run::{CUT, Run, RunError};
 use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Procedure;
 use crate::solve::Recorder;
-use crate::solve::increment::convergence::{IMBALANCE, LOOSENED};
+use crate::solve::increment::convergence::{IMBALANCE, LOOSENED, LOOSENED_FOR};
 use crate::solve::increment::outcome::Rejection;
 use crate::state::Method;
 use crate::state::Status;
@@ -41,7 +41,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Loosens the tolerance of a single force for one increment of the first method, if the last resort failed for no
+    /// Loosens the tolerance of a single force for some increments of the first method, if the last resort failed for no
     /// other reason; false if it did not, or if it is loosened already.
     fn loosens(&mut self, step_run: &mut StepRun, rejection: &Rejection) -> bool {
         let Rejection::Iterations {
@@ -55,13 +55,13 @@ impl Run<'_> {
         let most = LOOSENED * step_run.step.tolerance.residual;
         let seeks = step_run.step.procedure == Procedure::Auto;
         if !seeks
-            || step_run.newton.scales.loosened > 1.0
+            || step_run.newton.scales.loosened > 0
             || residual > most
             || root_mean_square > IMBALANCE
         {
             return false;
         }
-        step_run.newton.scales.loosened = LOOSENED;
+        step_run.newton.scales.loosened = LOOSENED_FOR;
         step_run.fallback.begin_again();
         self.adopt(step_run);
         step_run.schedule.resume(step_run.fallback.floor());

@@ -406,7 +406,8 @@ impl<'m> Run<'m> {
         (row, viscous): (&HistoryRow, f64),
     ) -> bool {
         self.energy_watch.add(row);
-        if step_run.newton.tighten() {
+        let most = step_run.step.tolerance.residual;
+        if step_run.newton.tighten() && row.residual > most {
             self.snaps.loosen(row);
         }
         let seeks = step_run.step.procedure.seeks_equilibrium();
