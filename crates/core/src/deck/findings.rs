@@ -1,5 +1,6 @@
 //! Checks of the physics of a model before it is run.
 
+use super::coarse_mesh::coarse_mesh;
 use super::far_points::far_points;
 use super::magnitudes::magnitudes;
 use super::masonry::{Corner, Masonry, Unit, least_lap};
@@ -329,6 +330,7 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
     }
     warnings.extend(unread(deck, masonry));
     warnings.extend(wide_joints(deck, masonry));
+    warnings.extend(coarse_mesh(deck, masonry));
     warnings.extend(gaps(deck, masonry));
     warnings
 }

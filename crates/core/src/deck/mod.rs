@@ -8,6 +8,7 @@ pub mod body;
 mod build;
 pub mod catalogue;
 pub mod check;
+mod coarse_mesh;
 mod contradictions;
 mod far_points;
 mod findings;

@@ -8,6 +8,10 @@ use crate::state::{EnergyBalance, HistoryRow};
 /// Part of the work done above which unaccounted energy is reported.
 const BOUND: f64 = 0.01;
 
+/// Part of the energies exchanged above which energy that the time integration has made is reported: impacts make up to a
+/// hundredth of theirs.
+const MADE: f64 = 0.02;
+
 /// Unaccounted energy after each increment, counted as `energy_balance_error` in the summary.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyWatch {
@@ -20,6 +24,8 @@ pub struct EnergyWatch {
     step: usize,
     displacement: f64,
     method: Method,
+    /// Largest energy that the time integration had made after an increment [J].
+    made: f64,
 }
 
 impl EnergyWatch {
@@ -34,6 +40,20 @@ impl EnergyWatch {
             (self.displacement, self.method) = (row.displacement_mm, row.procedure);
         }
         self.open = open;
+        self.made = self.made.max(-row.numerical_dissipation_J);
+    }
+
+    /// Warning, if the time integration has made energy. The balance counts it as a negative dissipation.
+    pub fn made_warning(&self) -> Option<String> {
+        let exchanged = self.balance.exchanged();
+        (self.made > MADE * exchanged).then(|| {
+            format!(
+                "the time integration has made {:.3} J, {:.1} % of the energies exchanged: smaller increments (increments.max), \
+                 or a drive that starts slowly (amplitude)",
+                self.made,
+                100.0 * self.made / exchanged
+            )
+        })
     }
 
     /// Largest work done so far [N mm].
@@ -84,6 +104,21 @@ mod tests {
             elastic_energy_J: elastic,
             ..HistoryRow::default()
         }
+    }
+
+    #[test]
+    fn energy_that_the_time_integration_makes_is_reported() {
+        let with = |numerical: f64| {
+            let mut watch = EnergyWatch::default();
+            watch.add(&HistoryRow {
+                numerical_dissipation_J: numerical,
+                ..row(1, 10.0, 10.0 - numerical)
+            });
+            watch.made_warning()
+        };
+        assert_eq!(with(-0.1), None);
+        assert_eq!(with(1.0), None);
+        assert!(with(-1.0).unwrap().contains("has made 1.000 J"));
     }
 
     #[test]

@@ -191,6 +191,9 @@ impl<'m> Run<'m> {
         self.summary.warnings.extend(self.carried.warning(whole));
         self.summary.warnings.extend(self.carried.viscous_warning());
         self.summary.warnings.extend(self.energy_watch.warning());
+        self.summary
+            .warnings
+            .extend(self.energy_watch.made_warning());
         self.summary.warnings.extend(self.narrowed_bands());
         Ok(self.summary)
     }
