@@ -440,18 +440,18 @@ def test_ties_layers_floors_settlements_and_sections() -> None:
         normal_stiffness=100, shear_stiffness=40,
     )  # fmt: skip
     assert cap["kind"] == "cap"
-    pier = partial(build.block, material="tuff", size=[200, 400, 1000])
+    pier = partial(build.block, material="tuff", size=[200, 400, 1000], mesh=[2, 2, 4])
     made = build.blocks(
         [pier("left", at=[0, 0, 0]), pier("right", at=[1800, 0, 0])],
-        materials={"tuff": stone, "render": build.elastic(5000, 0.2)},
+        materials={"tuff": stone, "render": build.elastic(5000, 0.2, density=1.8e-9)},
         interfaces={"bond": cap},
         supports=[build.support("left.bottom")],
         steps=[build.gravity(), build.drive("1 mm", settlement="ground")],
         ties=[build.tie("rod", [[100, 200, 900], [1900, 200, 900]], E=210e3, diameter=16, prestress=1000)],
-        layers=[build.layer("render", "left.start", 20, "render", "bond")],
+        layers=[build.layer("render", "left.left", 20, "render", "bond")],
         floors=[build.floor("slab", ["left.top", "right.top"], load="3 kN/m^2", axial=100)],
         settlements=[build.settlement("ground", "right.bottom", table={"at": [1800, 2000], "values": [1, 1]})],
-        sections=[build.section("foot", [0, 0, 100], "z", of="left")],
+        sections=[build.section("foot", [0, 0, 250], "z", of="left")],
         probes=[build.probe("gap", gauge=[[200, 0, 1000], [1800, 0, 1000]])],
     )
     found = made.check()

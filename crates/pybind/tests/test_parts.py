@@ -27,6 +27,7 @@ def test_springs_probes_corners_and_all_that_steps_may_have() -> None:
                 rotate={"axis": "z", "angle": "90 deg"},
             ),
         ],
+        points="corner",
         materials={"stone": STONE},
         interfaces={"joint": JOINT},
         contacts=[build.contact("joint")],
