@@ -197,13 +197,11 @@ impl<'m> StepRun<'m> {
     }
 
     /// Holds the loads while bodies that inertia carries `move`, and lets them grow again once these are at rest
-    /// (docs/theory/inertia.md, Algorithm). A step that drives goes on, and so does a weight that grows from nothing, as dry
-    /// bodies that nothing presses move at any load, unless the equilibrium is not stable.
+    /// (docs/theory/inertia.md, Algorithm). A step that drives goes on, and so does a weight that grows from nothing: dry
+    /// bodies that nothing presses move at any load.
     pub(in crate::solve) fn hold_or_go_on(&mut self, moves: bool) {
         let carried = self.fallback.method() == Method::QuasiStatic;
-        let buckles = self.branch.unstable_from.is_some() && !self.step.drives();
-        let waits = self.step.only_loads() || buckles;
-        let seeks = self.step.procedure == Procedure::Auto && waits;
+        let seeks = self.step.procedure == Procedure::Auto && self.step.only_loads();
         let holds = moves && carried && seeks && self.held < MOST_HELD;
         if holds {
             self.held += 1;
