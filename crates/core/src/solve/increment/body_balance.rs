@@ -60,12 +60,13 @@ impl Bodies {
     }
 
     /// Largest resultant of the out-of-balance forces on a body over the forces that act on it. `residual`: [N]
-    /// `[equation]`; `slot_of`: slot of each equation; `loads`: those of inertia included [N] `[slot]`; `least`: smallest scale of a node [N].
+    /// `[equation]`; `slot_of`: slot of each equation; `loads`: sizes of the loads, those of inertia included [N] `[slot]`;
+    /// `least`: smallest scale of a node [N].
     pub(in crate::solve) fn worst(
         &self,
         (system, trial): (&System, &Trial),
         (residual, slot_of): (&[f64], &[u32]),
-        loads: &[f64],
+        loads: impl Iterator<Item = f64>,
         least: f64,
     ) -> f64 {
         let mut resultant = vec![[0.0; 3]; self.nodes.len()];
@@ -80,7 +81,7 @@ impl Bodies {
             .collect();
         for (&(body, _), load) in self.of_slot.iter().zip(loads) {
             if body != NONE {
-                acting[body as usize] += 0.5 * load.abs();
+                acting[body as usize] += 0.5 * load;
             }
         }
         let forces = system.forces_on_solids(trial);

@@ -387,14 +387,15 @@ impl<'m> Newton<'m> {
         // Without load all forces are roundings.
         let least = (LEAST * scale).max(self.scales.least);
         let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
-        let mut loads = self.loading.loads.total.clone();
-        if let (Some(motion), Method::Dynamic) = (&self.motion, self.choice.method) {
-            // Bodies that fly may have no forces but those of their inertia.
-            for (slot, load) in loads.iter_mut().enumerate() {
-                *load = load.abs() + motion.size(&at.system.mass, slot);
-            }
-        }
-        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, &loads, least);
+        let loads = &self.loading.loads.total;
+        let motion = self.motion.as_ref();
+        // Bodies that fly may have no forces but those of their inertia.
+        let motion = motion.filter(|_| self.choice.method == Method::Dynamic);
+        let acting = loads.iter().enumerate().map(|(slot, load)| {
+            let inertia = motion.map_or(0.0, |motion| motion.size(&at.system.mass, slot));
+            load.abs() + inertia
+        });
+        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, acting, least);
         worst <= part * RESULTANT
     }
 
