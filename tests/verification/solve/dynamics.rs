@@ -24,59 +24,6 @@ fn block_in_the_air() -> Model {
     model
 }
 
-/// A stone beside a pier of 1,200 times its mass slides down a slope as it does alone: its forces, far below those of the
-/// pier, balance by themselves.
-#[test]
-fn a_light_stone_beside_a_pier_slides_as_it_does_alone() {
-    let block = |name: &str, size: &str, at: &str, mesh: &str| {
-        format!(
-            "[[blocks]]\nname = \"{name}\"\nsize = {size}\nat = {at}\nmaterial = \"stone\"\nmesh = {mesh}\n"
-        )
-    };
-    let deck = format!(
-        "format = 1\n[materials.stone]\nE = \"20 GPa\"\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.dry]\nf_t = 0\n\
-         c = 0\ntan_phi = 0.5\nmu = 0.5\n{}{}{}[[supports]]\non = [\"ground\", \"pier.bottom\"]\n[[contacts]]\n\
-         slave = \"stone.bottom\"\nmaster = \"ground.top\"\ninterface = \"dry\"\n[[probes]]\nname = \"way\"\non = \"stone\"\n\
-         direction = \"x\"\n[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\n\
-         duration = 0.5\nangle = 30\n",
-        block(
-            "ground",
-            "[4000, 3000, 100]",
-            "[-1000, -1500, -100]",
-            "[4, 2, 1]"
-        ),
-        block("stone", "[100, 100, 100]", "[0, -50, 0]", "[1, 1, 1]"),
-        block("pier", "[1000, 400, 3000]", "[1200, -200, 0]", "[4, 2, 12]"),
-    );
-    let (_, model) = blocks::deck_and_model(&deck);
-    let recording = completed(&model);
-    let way = recording.rows.last().unwrap().probes[0];
-    let slope = 30.0_f64.to_radians();
-    let exact = 0.5 * G * (slope.sin() - 0.5 * slope.cos()) * 0.25;
-    // The tolerance of a body is 1 % of its forces, four times the difference that accelerates it.
-    assert!((way / exact - 1.0).abs() < 0.02, "{way} for {exact} mm");
-}
-
-/// A block that slides fast and drops by 1 mm does not rebound higher: the energy that HHT may make is measured by the blow,
-/// not by the motion of the block.
-#[test]
-fn a_block_that_slides_fast_does_not_hop() {
-    let deck = "format = 1\n[materials.stone]\nE = \"20 GPa\"\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.dry]\nf_t = 0\n\
-                c = 0\ntan_phi = 0.3\nmu = 0.3\n[contact]\ngeneral = \"dry\"\n[[blocks]]\nname = \"ground\"\n\
-                size = [8000, 1000, 100]\nat = [-500, -500, -100]\nmaterial = \"stone\"\n[[supports]]\non = \"ground\"\n\
-                [[blocks]]\nname = \"b\"\nsize = [150, 120, 120]\nat = [0, 0, 1]\nmaterial = \"stone\"\nmesh = [1, 1, 1]\n\
-                velocity = [8000, 0, 0]\n[[probes]]\nname = \"up\"\non = \"b\"\ndirection = \"z\"\n[[steps]]\nkind = \"free\"\n\
-                procedure = \"dynamic\"\nduration = 0.5\ngravity = 9810\n";
-    let (_, model) = blocks::deck_and_model(deck);
-    let recording = completed(&model);
-    let highest = recording
-        .rows
-        .iter()
-        .map(|row| row.probes[0])
-        .fold(f64::NEG_INFINITY, f64::max);
-    assert!(highest < 0.0, "{highest} mm above its start");
-}
-
 #[test]
 fn a_block_falls_freely() {
     let mut model = block_in_the_air();
