@@ -49,6 +49,8 @@ pub(in crate::solve) struct Dashpots {
     anchor: Vec<f64>,
     /// Whether the sub-increment changes loads; the anchor is then the predicted displacement.
     pub(in crate::solve) loads: bool,
+    /// Whether states on the way need less than all criteria: no body has come loose, whose energy they would lose.
+    pub(in crate::solve) passes: bool,
 }
 
 impl Dashpots {
@@ -76,6 +78,7 @@ impl Dashpots {
             coefficient,
             factor: 1.0,
             loads: false,
+            passes: false,
         }
     }
 
@@ -107,7 +110,7 @@ const STIFFEST: f64 = 1e3;
 /// Smallest κ; forces that remain below it have no equilibrium.
 const SOFTEST: f64 = 1e-9;
 /// Part of the tolerance of equilibrium below which the structure is at rest.
-const AT_REST: f64 = 0.3;
+pub(in crate::solve) const AT_REST: f64 = 0.3;
 /// Most sub-increments of a relaxation.
 const MOST: usize = 80;
 /// Growth of κ after a sub-increment that failed.
@@ -120,8 +123,10 @@ const AT_ONCE: usize = 2;
 /// Factors of κ in a quick and in a slow fall.
 const QUICKLY: f64 = 0.1;
 const SLOWLY: f64 = 0.3;
-/// Number of sub-increments after a failed one in which κ does not fall quickly.
-const CAUTIOUS: usize = 2;
+/// Number of sub-increments after a failed one in which κ neither falls quickly nor below `ABOVE_FAILED` of the κ that
+/// failed: it would fail there again.
+const CAUTIOUS: usize = 5;
+const ABOVE_FAILED: f64 = 2.0;
 /// Ratio of dashpot forces to those of the last sub-increment below which κ may fall quickly.
 const FALLS: f64 = 0.9;
 
@@ -143,7 +148,10 @@ impl Run<'_> {
     ) -> Option<(IncrementRequest, Report)> {
         let (saved, carried) = (self.state.clone(), step_run.newton.carried());
         let (load, increments) = (step_run.load, self.state.increments);
-        step_run.newton.dashpots = Some(Dashpots::new(self.model, &self.system));
+        step_run.newton.dashpots = Some(Dashpots {
+            passes: !proves,
+            ..Dashpots::new(self.model, &self.system)
+        });
         let work = self.energy_watch.work().max(saved.energies.taken());
         let found = self.relax_in_steps(step_run, request, proves, recorder);
         let damped = self.state.energies.damping - saved.energies.damping;
@@ -280,8 +288,10 @@ impl Run<'_> {
 struct Softening {
     /// κ [-].
     factor: f64,
-    /// Number of the next sub-increments in which κ does not fall quickly.
+    /// Number of the next sub-increments in which κ falls with caution, see [`CAUTIOUS`].
     slowly: usize,
+    /// κ of the last sub-increment that failed; 0 if none has.
+    failed: f64,
     /// Root mean square of the dashpot forces in the last sub-increment, over the mean nodal force.
     last_force: f64,
 }
@@ -291,6 +301,7 @@ impl Default for Softening {
         Self {
             factor: FIRST,
             slowly: 0,
+            failed: 0.0,
             last_force: f64::INFINITY,
         }
     }
@@ -299,6 +310,7 @@ impl Default for Softening {
 impl Softening {
     /// Raises κ after a sub-increment that failed; none if it is too large already.
     fn stiffen(&mut self) -> Option<()> {
+        self.failed = self.factor;
         self.factor *= STIFFER;
         self.slowly = CAUTIOUS;
         (self.factor <= STIFFEST).then_some(())
@@ -315,6 +327,9 @@ impl Softening {
             self.factor *= QUICKLY;
         } else if solves <= FAIR && (is_steady || solves <= AT_ONCE) {
             self.factor *= SLOWLY;
+        }
+        if self.slowly > 0 {
+            self.factor = self.factor.max(ABOVE_FAILED * self.failed);
         }
     }
 }
