@@ -41,7 +41,7 @@ pub use part::Part;
 pub use path::{Entry, Place, entry};
 pub use projection::{Projection, extend, project};
 pub use registry::InterfaceLaw;
-pub use shifted::{Loose, Shift};
+pub use shifted::{FlatBranches, Shift};
 pub use stencil::{
     Anchor, Kinematics, PointStiffness, PointsAlong, SlavePoint, corner_points, gauss_points,
     points_of, write_stiffness,

@@ -48,7 +48,7 @@ pub struct Shift {
 
 /// Which of the three branches without stiffness a point is on: opening along the softening curve, slip, open without
 /// traction.
-pub type Loose = [bool; 3];
+pub type FlatBranches = [bool; 3];
 
 /// Largest number of passes for D, opening and slip, which depend on each other. A plain pass reduces the error by
 /// the ratio of softening slope to k'; a secant step through the last two passes converges nearly quadratically.
@@ -76,7 +76,7 @@ struct Shear {
 impl InterfaceResponse {
     /// The branches with zero stiffness that an iterate from `old` is on.
     #[inline(always)]
-    pub fn loose(&self, old: &InterfaceHistory) -> Loose {
+    pub fn flat_branches(&self, old: &InterfaceHistory) -> FlatBranches {
         let (now, sigma) = (&self.history, self.traction[0]);
         let opens = sigma > 0.0 && now.damage > 0.0 && now.opening > old.opening_max;
         [opens, now.plastic_slip != old.plastic_slip, sigma == 0.0]
@@ -85,7 +85,7 @@ impl InterfaceResponse {
     /// Gives the tangent a stiffness on those branches of `loose` that are also in `held`: on the envelope the
     /// secant, at most `stiffness` [N/mm³]; in the open state without bond `stiffness`; in slip its secant.
     #[inline(always)]
-    pub fn hold(&mut self, held: Loose, loose: Loose, stiffness: f64) {
+    pub fn hold(&mut self, held: FlatBranches, loose: FlatBranches, stiffness: f64) {
         let [opens, slides, open] = [0, 1, 2].map(|i| held[i] && loose[i]);
         let k = &mut self.tangent;
         if k[(0, 0)] == 0.0 {
@@ -301,14 +301,14 @@ mod tests {
         law: &CohesiveFrictional,
         gap: [f64; 3],
         bounding: f64,
-    ) -> (InterfaceResponse, Loose) {
+    ) -> (InterfaceResponse, FlatBranches) {
         let shift = Shift {
             stiffness: SOFT,
             traction: [0.0; 3],
             bounding,
         };
         let response = law.update_shifted(gap, &law.virgin(), &shift);
-        let loose = response.loose(&law.virgin());
+        let loose = response.flat_branches(&law.virgin());
         (response, loose)
     }
 

@@ -208,6 +208,42 @@ traction = ["0.002 MPa", "0.001 MPa", "-0.004 MPa"]
     }
 }
 
+/// A column under its weight: its middle carries the upper half.
+#[test]
+fn a_section_within_a_body_carries_the_weight_above_it() {
+    let scene = r#"
+[[blocks]]
+name = "column"
+size = [100, 50, 400]
+material = "stone"
+mesh = [1, 1, 4]
+
+[[supports]]
+on = "column.bottom"
+
+[[sections]]
+name = "middle"
+through = [0, 0, 200]
+
+[[sections]]
+name = "low"
+through = [0, 0, 100]
+
+[[steps]]
+kind = "gravity"
+tolerance = { residual = 1e-8 }
+"#;
+    let (_, model) = deck_and_model(&format!("{HEAD}{scene}"));
+    let recording = completed(&model);
+    let weight = 1e-3 * 2e-9 * 100.0 * 50.0 * 400.0 * 9810.0;
+    for (name, part) in [("middle_N_kN", 0.5), ("low_N_kN", 0.75)] {
+        let found = *column(&model, &recording, name).last().unwrap();
+        let error = (found / (-part * weight) - 1.0).abs();
+        // Forces balance to 1e-8 of the mean nodal force.
+        assert!(error < 1e-6, "{name}: {found} for {}", -part * weight);
+    }
+}
+
 #[test]
 fn halves_show_the_sections_of_the_whole() {
     let [(model, full), (reduced, auto)] = both(&strong(""));

@@ -431,6 +431,14 @@ fn keys_of_inertia_are_checked() {
             "steps.1.ground_unit",
         ),
         (
+            vec![
+                dynamic,
+                ("steps.1.ground", "{ x = \"record.csv\" }"),
+                ("steps.1.ground_factor", "{ z = 2 }"),
+            ],
+            "steps.1.ground_factor.z",
+        ),
+        (
             vec![dynamic, ("materials.mortar.density", "0")],
             "steps.1.procedure",
         ),

@@ -124,3 +124,23 @@ fn a_snap_in_a_frame_is_followed_and_has_no_peak_of_its_own() {
         energies.most
     );
 }
+
+/// A weight that a `free` step turns at once, or that acts from nothing, does the work that a body at rest takes.
+#[test]
+fn a_weight_that_jumps_balances_in_statics() {
+    let block = "format = 1\n[materials.stone]\nE = \"5 GPa\"\nnu = 0.2\ndensity = \"2000 kg/m^3\"\n[interfaces.dry]\nf_t = 0\n\
+                 c = 0\ntan_phi = 0.7\nmu = 0.7\n[[blocks]]\nname = \"floor\"\nsize = [1000, 400, 200]\n\
+                 material = \"stone\"\nmesh = [4, 2, 1]\n[[blocks]]\nname = \"a\"\nsize = [200, 200, 300]\n\
+                 at = [300, 100, 200]\nmaterial = \"stone\"\nmesh = [2, 2, 3]\n[[contacts]]\nslave = \"a.bottom\"\n\
+                 master = \"floor.top\"\ninterface = \"dry\"\n[[supports]]\non = \"floor.bottom\"\n";
+    let turned =
+        "[[steps]]\nkind = \"free\"\nangle = 20\nincrements = { initial = 0.25, max = 0.25 }\n";
+    let gravity = "[[steps]]\nkind = \"gravity\"\n";
+    for steps in [format!("{gravity}{turned}"), turned.to_owned()] {
+        let (energies, summary) = run(&format!("{block}{steps}"), &[]);
+        assert!(!warns(&summary), "{:?}", summary.warnings);
+        // The limit of eq. 18 at which a run warns; half of the work was missing.
+        let error = energies.balance.error();
+        assert!(error < 0.01, "{error}");
+    }
+}

@@ -14,6 +14,7 @@ mod pulled_solids;
 mod relaxation;
 mod resume;
 mod settlements;
+mod shaken_blocks;
 mod stiff_scenes;
 mod tolerance;
 mod vibration;

@@ -197,7 +197,7 @@ const BAD: &[Bad] = &[
         "direction = \"x\"",
         "direction = \"z\"",
         "steps.2.direction",
-        "held where its load is",
+        "cannot be driven vertically",
         "rotation =",
     ),
     (

@@ -6,35 +6,35 @@
 //! changed twice between such a branch and another is held there to the end of the increment: its tangent becomes a
 //! secant. Its forces stay those of the law.
 
-use wythe_contact::Loose;
+use wythe_contact::FlatBranches;
 
 /// Branches of all points since the increment began.
 #[derive(Clone, Debug, Default)]
 pub struct HeldBranches {
     /// Branches without stiffness that each point is on. `[point]`
-    pub now: Vec<Loose>,
+    pub now: Vec<FlatBranches>,
     /// Branches without stiffness to or from which each point has changed at least twice in this increment.
     /// `[point]`
-    pub held: Vec<Loose>,
+    pub held: Vec<FlatBranches>,
     /// The same, once. `[point]`
-    changed: Vec<Loose>,
+    changed: Vec<FlatBranches>,
     /// Branches at the last iterate. Empty before the first iterate. `[point]`
-    before: Vec<Loose>,
+    before: Vec<FlatBranches>,
 }
 
 impl HeldBranches {
     /// Begins an increment, without any change so far.
     pub fn start(&mut self) {
         self.before.clear();
-        self.changed.fill(Loose::default());
-        self.held.fill(Loose::default());
+        self.changed.fill(FlatBranches::default());
+        self.held.fill(FlatBranches::default());
     }
 
     /// Makes room for `n` points.
     pub fn resize(&mut self, n: usize) {
-        self.now.resize(n, Loose::default());
-        self.changed.resize(n, Loose::default());
-        self.held.resize(n, Loose::default());
+        self.now.resize(n, FlatBranches::default());
+        self.changed.resize(n, FlatBranches::default());
+        self.held.resize(n, FlatBranches::default());
     }
 
     /// Compares this iterate with the last one. A second change of a branch holds the point on it.

@@ -275,7 +275,7 @@ impl Bulk {
 /// Curves of materials whose crack bands have widths of their own. Elements of one material share a set of curves.
 #[derive(Default)]
 struct MaterialCurves {
-    ladders: HashMap<u16, Arc<Curves>>,
+    curves_of: HashMap<u16, Arc<Curves>>,
 }
 
 impl MaterialCurves {
@@ -293,13 +293,13 @@ impl MaterialCurves {
         if !p.has_bands() {
             return Ok(Material::new(parameters, Some(extent.l_eq))?.0);
         }
-        let curves = if let Some(curves) = self.ladders.get(&material) {
+        let curves = if let Some(curves) = self.curves_of.get(&material) {
             curves.clone()
         } else {
             let of_it = all.iter().filter(|(_, of, _)| *of == material);
             let widths = Extent::range(of_it.map(|(_, _, extent)| extent));
             let (curves, _) = Curves::of_bands(p, widths)?;
-            self.ladders.insert(material, curves.clone());
+            self.curves_of.insert(material, curves.clone());
             curves
         };
         let law = DamagePlasticity::with(p, curves, extent);

@@ -120,10 +120,8 @@ impl Mass {
     pub fn new(model: &Model, bulk: &Bulk, dofs: &DofMap) -> Self {
         let mut node = vec![0.0; model.mesh.nodes.len()];
         for (e, nodes) in bulk.elements.iter().enumerate() {
-            let density = density(model, e);
-            let volumes = nodal_volumes(&bulk.shape(e).weight);
-            for (&n, volume) in nodes.iter().zip(volumes) {
-                node[n as usize] += density * volume;
+            for (&n, mass) in nodes.iter().zip(nodal_masses(model, bulk, e)) {
+                node[n as usize] += mass;
             }
         }
         for (n, mass) in model.floors.iter().flat_map(|floor| &floor.masses) {
@@ -237,6 +235,12 @@ impl Mass {
             .sum();
         sum / (8.0 * self.count.max(f64::MIN_POSITIVE))
     }
+}
+
+/// Masses of the nodes of an element [tonne], their parts of its mass.
+pub(super) fn nodal_masses(model: &Model, bulk: &Bulk, element: usize) -> [f64; 8] {
+    let density = density(model, element);
+    nodal_volumes(&bulk.shape(element).weight).map(|volume| density * volume)
 }
 
 /// Density of an element [tonne/mm³].

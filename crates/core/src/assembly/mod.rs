@@ -150,13 +150,13 @@ impl System {
             rigid: RigidBodies::default(),
             general: General::new(model, &mass),
             mass,
+            cuts: Cut::all(model, &bulk),
             dofs,
             bulk,
             contact: Contact::new(model),
             springs: Springs::new(model),
             ties: Ties::new(model),
             outside: ExternalLoads::new(model),
-            cuts: Cut::all(model),
             steered: None,
             rounding_force: crate::model::rounding::force(model),
             gather: None,
@@ -192,6 +192,7 @@ impl System {
             spring_forces: vec![[0.0; 3]; model.springs.len()],
             ties: self.ties.virgin(),
             loads: vec![[0.0; 3]; model.loads.len()],
+            weights: [0.0; 3],
             applied: vec![0.0; self.dofs.slots],
             damping: vec![0.0; self.dofs.slots],
             material: vec![MaterialHistory::default(); 8 * model.mesh.elements.len()],
@@ -210,6 +211,7 @@ impl System {
         let mut trial = Trial::default();
         trial.start(&state);
         self.search(&mut trial, &state.q);
+        self.contact.close(model, &trial.joints.pairs);
         state.pairs.clone_from(&trial.joints.pairs);
         self.follow(&mut state.poses, &mut trial);
         state

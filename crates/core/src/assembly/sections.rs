@@ -4,7 +4,7 @@
 //! normal) acts on part B with
 //!
 //! ```text
-//! F = − Σ f_a (nodes between A and B, elements a of A) − Σ f_c (nodes of B, contact cells c between A and B)
+//! F = − Σ (f_a − m_a g) (nodes between A and B, elements a of A) − Σ f_c (nodes of B, contact cells c between A and B)
 //! ```
 //!
 //! and with the moment of these forces about the centre of the section, at the present positions of the nodes
@@ -13,6 +13,8 @@
 
 use rustc_hash::FxHashSet;
 
+use super::bulk::Bulk;
+use super::mass::nodal_masses;
 use super::{System, Trial};
 use crate::element::hexahedron::{cross, difference, dot};
 use crate::model::Model;
@@ -28,6 +30,8 @@ pub struct Cut {
     section: Section,
     /// Elements above that have nodes in common with elements below, and which nodes these are.
     solids: Vec<(u32, [bool; 8])>,
+    /// Masses of the nodes of these elements, their parts of the mass of each [tonne].
+    masses: Vec<[f64; 8]>,
     /// Side of each slave facet, of each master facet, and of each facet of general contact. `[facet]`
     slave: Vec<Side>,
     master: Vec<Side>,
@@ -59,7 +63,7 @@ impl Resultant {
 
 impl Cut {
     /// Prepares all sections of a model.
-    pub fn all(model: &Model) -> Vec<Self> {
+    pub fn all(model: &Model, bulk: &Bulk) -> Vec<Self> {
         if model.sections.is_empty() {
             return Vec::new();
         }
@@ -70,7 +74,14 @@ impl Cut {
         let general = contact.general.as_ref();
         let general = general.map_or_else(Vec::new, |general| skin.behind(&general.skin.facets));
         let sections = model.sections.iter();
-        let cuts = sections.map(|section| Self::of(model, section, [&slave, &master, &general]));
+        let cuts = sections.map(|section| {
+            let mut cut = Self::of(model, section, [&slave, &master, &general]);
+            let masses = cut.solids.iter();
+            cut.masses = masses
+                .map(|(e, _)| nodal_masses(model, bulk, *e as usize))
+                .collect();
+            cut
+        });
         cuts.collect()
     }
 
@@ -100,6 +111,7 @@ impl Cut {
         let [slave, master, general] = behind.map(sides);
         Self {
             solids: common,
+            masses: Vec::new(),
             slave,
             master,
             general,
@@ -153,7 +165,9 @@ fn nodes_at(model: &Model, section: &Section) -> Vec<u32> {
 
 impl System {
     /// Values of the columns of a section at a trial, whose forces are up to date [kN, kN m].
-    pub fn section_values(&self, cut: &Cut, trial: &Trial) -> [f64; COLUMNS] {
+    ///
+    /// `weights`: acceleration of the weights, less that of the ground [mm/s²].
+    pub fn section_values(&self, cut: &Cut, trial: &Trial, weights: [f64; 3]) -> [f64; COLUMNS] {
         let centre = cut.centre(trial);
         let mut sum = Resultant::default();
         let mut take = |nodes: &[u32], forces: &[[f64; 3]], which: &dyn Fn(usize) -> bool| {
@@ -165,9 +179,11 @@ impl System {
             }
         };
         let forces = &trial.cells.force;
-        for (e, common) in &cut.solids {
+        for ((e, common), mass) in cut.solids.iter().zip(&cut.masses) {
             let e = *e as usize;
+            let weighs = mass.map(|m| weights.map(|g| -m * g));
             take(&self.bulk.elements[e], &forces[e], &|a| common[a]);
+            take(&self.bulk.elements[e], &weighs, &|a| common[a]);
         }
         let first = self.bulk.elements.len();
         for (facet, side) in cut.slave.iter().enumerate().filter(|(_, side)| **side != 0) {

@@ -375,7 +375,8 @@ impl Contact {
                 traction,
                 bounding: traction[0],
             };
-            law.update_shifted(total_gap(&kin, &old), &old, &shift)
+            let opening = self.opening(at, kin.gap);
+            law.update_shifted(total_gap(opening, &kin, &old), &old, &shift)
                 .traction
         };
         let after = respond(settled);

@@ -205,6 +205,15 @@ impl<'a> Pair<'a> {
                     format!("{a} and {b} interpenetrate by {:.4} mm at rest", -gap),
                 ));
             }
+            if gap > TOUCHES * size && gap <= self.reach() && !self.interface.is_dry() {
+                let (a, b) = (&a.name, &b.name);
+                warnings.push(self.deck.warning(
+                    &self.pairing.path,
+                    format!(
+                        "{a} and {b} are {gap:.4} mm apart at rest: their bond begins with this opening, or is lost"
+                    ),
+                ));
+            }
         }
     }
 

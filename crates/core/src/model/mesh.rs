@@ -69,6 +69,32 @@ impl Mesh {
         self.called(self.unit[element])
     }
 
+    /// Smallest edge of the box around each body [mm]; infinite for a number without elements. `[unit]`
+    pub fn smallest_edges(&self) -> Vec<f64> {
+        let units = self.unit.iter().max().map_or(0, |unit| *unit as usize + 1);
+        let mut boxes =
+            vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; units.max(self.names.len())];
+        for (nodes, unit) in self.elements.iter().zip(&self.unit) {
+            let [low, high] = &mut boxes[*unit as usize];
+            for x in nodes.map(|n| self.nodes[n as usize]) {
+                for i in 0..3 {
+                    (low[i], high[i]) = (low[i].min(x[i]), high[i].max(x[i]));
+                }
+            }
+        }
+        let edge = |[low, high]: [[f64; 3]; 2]| {
+            let edges = (0..3).map(|i| {
+                if low[i] <= high[i] {
+                    high[i] - low[i]
+                } else {
+                    f64::INFINITY
+                }
+            });
+            edges.fold(f64::INFINITY, f64::min)
+        };
+        boxes.into_iter().map(edge).collect()
+    }
+
     /// Image data of a node, if it is an image.
     pub fn reflected(&self, node: u32) -> Option<&Reflected> {
         let at = self.reflected.binary_search_by_key(&node, |r| r.node);

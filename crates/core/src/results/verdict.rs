@@ -422,10 +422,17 @@ mod tests {
             load_factor: 0.25,
             kinetic_energy_J: 3.5,
             bodies: vec![body("a", 200.0, 199.0), body("b", 150.0, 20.0)],
+            found_in: None,
         };
         assert_eq!(
             fall.collapsed(),
             "collapsed at load factor 0.2500 of step 0 (gravity): a and b fell by up to 199.0 mm; kinetic energy 3.500 J"
+        );
+        fall.found_in = Some("step 2 (push)".to_owned());
+        assert!(
+            fall.collapsed().starts_with(
+                "collapsed in step 2 (push); the last equilibrium was at load factor 0.2500 of step 0 (gravity): a and b"
+            )
         );
         fall.bodies = (0..7).map(|i| body(&format!("s{i}"), 90.0, 5.0)).collect();
         assert_eq!(

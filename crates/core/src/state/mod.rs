@@ -70,6 +70,8 @@ pub struct State {
     pub ties: Vec<TieHistory>,
     /// Values of the named loads. `[load]`
     pub loads: Vec<[f64; 3]>,
+    /// Acceleration of the weights, less that of the ground, at the last commit [mm/s²].
+    pub weights: [f64; 3],
     /// External forces on the beams at the last commit [N]. Zero at nodes. `[slot]`
     pub applied: Vec<f64>,
     /// Forces of the Rayleigh damping, or of the dashpots of a relaxation, at the last commit [N]. `[slot]`

@@ -37,6 +37,9 @@ pub struct Fall {
     pub kinetic_energy_J: f64,
     /// Bodies that moved at least half as far as the farthest one, in descending order.
     pub bodies: Vec<FallenBody>,
+    /// Number and name of a later step, if the fall was found in that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub found_in: Option<String>,
 }
 
 /// A body that moved under inertia.
@@ -137,11 +140,16 @@ impl Summary {
 impl Fall {
     /// Collapse in one sentence.
     pub fn collapsed(&self) -> String {
+        let equilibrium = format!(
+            "load factor {:.4} of step {} ({})",
+            self.load_factor, self.step, self.step_name
+        );
+        let place = match &self.found_in {
+            None => format!("at {equilibrium}"),
+            Some(later) => format!("in {later}; the last equilibrium was at {equilibrium}"),
+        };
         format!(
-            "collapsed at load factor {:.4} of step {} ({}): {}; kinetic energy {:.3} J",
-            self.load_factor,
-            self.step,
-            self.step_name,
+            "collapsed {place}: {}; kinetic energy {:.3} J",
             self.moved(),
             self.kinetic_energy_J
         )

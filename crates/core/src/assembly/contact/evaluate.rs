@@ -3,8 +3,8 @@
 use pulp::Simd;
 use rayon::prelude::*;
 use wythe_contact::{
-    FourPlaced, FourSeen, InterfaceHistory, JointLaw, Lanes, Loose, PointPair, PointStatus, Shift,
-    Symmetric, for_law, write_symmetric,
+    FlatBranches, FourPlaced, FourSeen, InterfaceHistory, JointLaw, Lanes, PointPair, PointStatus,
+    Shift, Symmetric, for_law, write_symmetric,
 };
 
 use super::sight::Sight;
@@ -51,8 +51,8 @@ struct Group<'a> {
     anchors: &'a [PointPair],
     last: &'a [[f64; 3]],
     bounding: &'a [f64],
-    loose: &'a mut [Loose],
-    held: &'a [Loose],
+    loose: &'a mut [FlatBranches],
+    held: &'a [FlatBranches],
 }
 
 impl Contact {
@@ -330,7 +330,7 @@ fn facet<S: Simd, L: JointLaw + ?Sized>(
             old
         };
         let gap = [
-            sight.gap,
+            contact.opening(4 * f + p, sight.gap),
             old.slip[0] + sight.slip[0],
             old.slip[1] + sight.slip[1],
         ];
@@ -355,7 +355,7 @@ fn facet<S: Simd, L: JointLaw + ?Sized>(
             }
         }
         if setting.shifted {
-            let loose = response.loose(old);
+            let loose = response.flat_branches(old);
             group.loose[at] = loose;
             response.hold(group.held[at], loose, stick[0]);
         }

@@ -40,9 +40,14 @@ const BEHIND: f64 = 1e-5;
 /// Height of a step that a point may climb from one facet to the next, over the same edge: settlement and rotation
 /// in a cracked wall. A higher step is the side of another body.
 const STEP: f64 = 0.01;
+/// Distance of bonded faces at rest, over the same edge, up to which they count as touching: coordinates are rounded.
+const TOUCHES: f64 = 1e-3;
+/// The same below which a distance is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Surfaces, contact points and candidates.
 #[derive(Clone, Debug)]
+// More than 15 fields: data of one search, by facet, point and node.
 pub struct Contact {
     pub(super) slave: Surface,
     pub(super) master: Surface,
@@ -57,6 +62,8 @@ pub struct Contact {
     share: Vec<f64>,
     /// Weights of the points at their places at rest. `[point]`
     at_rest: Vec<[f64; 4]>,
+    /// Small distances of bonded faces at rest, from which their openings count [mm]. `[point]`; empty if there are none.
+    closed: Vec<f64>,
     /// Points that this increment has moved to a rim.
     moved: Vec<u32>,
     pub(super) candidates: Candidates,
@@ -166,6 +173,7 @@ impl Contact {
             law_of: surfaces.slave_law.clone(),
             share,
             at_rest: points.iter().map(|point| point.weights).collect(),
+            closed: Vec::new(),
             moved: Vec::new(),
             points,
             candidates: Candidates::default(),
@@ -343,10 +351,10 @@ impl Soft {
     }
 }
 
-/// Total gap `[u, δ₁, δ₂]` of a pair [mm]: its slip is added to that of the history.
-pub(super) fn total_gap(kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
+/// Total gap `[u, δ₁, δ₂]` of a pair with this opening [mm]: its slip is added to that of the history.
+pub(super) fn total_gap(opening: f64, kin: &Kinematics, old: &InterfaceHistory) -> [f64; 3] {
     [
-        kin.gap,
+        opening,
         old.slip[0] + kin.slip[0],
         old.slip[1] + kin.slip[1],
     ]

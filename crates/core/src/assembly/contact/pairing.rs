@@ -4,10 +4,11 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use wythe_contact::pairs::stays_on;
 use wythe_contact::surface::blend;
-use wythe_contact::{PointPair, Reach, extend, pair_point};
+use wythe_contact::{JointLaw, PointPair, Reach, extend, pair_point};
 
-use super::{Contact, Distances};
+use super::{Contact, Distances, ROUNDING, TOUCHES};
 use crate::assembly::Trial;
+use crate::model::Model;
 
 /// Positions of a search [mm]. `[node]`
 #[derive(Clone, Copy)]
@@ -99,6 +100,36 @@ impl Contact {
             xi,
         };
         found.filter(comes).map(paired).unwrap_or_default()
+    }
+
+    /// Notes the small distances of bonded faces that are paired at rest (docs/theory/contact.md, eq. 4).
+    pub fn close(&mut self, model: &Model, pairs: &[PointPair]) {
+        let (edge, x) = (self.edge(), &model.mesh.nodes);
+        let distance = |(p, pair): (usize, &PointPair)| {
+            let bonded = !self.law(model, p).is_dry() && !self.is_image(p);
+            let facet = pair.facet.filter(|_| bonded)?;
+            let point = self.position(p / 4, p % 4, x);
+            let foot = extend(&point, &self.master.corners(facet as usize, x), pair.xi)?;
+            let small = ROUNDING * edge..=TOUCHES * edge;
+            small.contains(&foot.gap.abs()).then_some(foot.gap)
+        };
+        let closed: Vec<f64> = (pairs.iter().enumerate())
+            .map(|pair| distance(pair).unwrap_or(0.0))
+            .collect();
+        self.closed = if closed.iter().any(|gap| *gap != 0.0) {
+            closed
+        } else {
+            Vec::new()
+        };
+    }
+
+    /// Opening of a point at a distance of the faces [mm]: bonded faces that nearly touch at rest are closed there.
+    #[inline(always)]
+    pub(in crate::assembly) fn opening(&self, point: usize, gap: f64) -> f64 {
+        match self.closed.get(point) {
+            Some(closed) => gap - closed,
+            None => gap,
+        }
     }
 
     /// Whether nodes have moved beyond the margin since candidates were searched.

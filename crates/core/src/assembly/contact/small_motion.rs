@@ -37,7 +37,7 @@ impl Contact {
                 let area = self.points[p].area;
                 let [normal, shear] = stiffness(PointMotion {
                     point: p,
-                    gap: sight.gap,
+                    gap: self.opening(p, sight.gap),
                     area,
                 });
                 if normal > 0.0 || shear > 0.0 {

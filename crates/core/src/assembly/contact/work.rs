@@ -116,7 +116,8 @@ impl Contact {
         let gap = |pair: PointPair, x: &[[f64; 3]]| {
             let corners = self.master.corners(pair.facet? as usize, x);
             let point = self.position(p / 4, p % 4, x);
-            extend(&point, &corners, pair.xi).map(|foot| foot.gap)
+            let foot = extend(&point, &corners, pair.xi)?;
+            Some(self.opening(p, foot.gap))
         };
         let mut work = 0.0;
         if old.traction[0] != 0.0 {

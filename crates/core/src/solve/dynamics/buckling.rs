@@ -50,14 +50,18 @@ impl Run<'_> {
         let step = step_run.step;
         let seeks = step.procedure == Procedure::Auto && !step.drives();
         let carried = step_run.fallback.method() == Method::QuasiStatic;
-        let rung = |load: f64| (load.abs().ln() / step.increments.peak.ln_1p()).floor();
-        let changed = start == 0.0 || rung(start) != rung(step_run.load);
-        if !(seeks && carried && changed) || step_run.branch.unstable_from.is_some() {
+        let interval = |load: f64| (load.abs().ln() / step.increments.peak.ln_1p()).floor();
+        let changed = start == 0.0 || interval(start) != interval(step_run.load);
+        if !(seeks && carried && changed) {
             return;
         }
         let of = (self.model, step);
-        if gives_way(of, &mut self.system, &self.state, &mut self.trial) {
-            self.disturb(step_run);
+        let unstable = gives_way(of, &mut self.system, &self.state, &mut self.trial);
+        match (step_run.branch.unstable_from, unstable) {
+            (None, true) => self.disturb(step_run),
+            // What the disturbance has moved has come to stand safely.
+            (Some(_), false) => step_run.branch.unstable_from = None,
+            _ => {}
         }
     }
 

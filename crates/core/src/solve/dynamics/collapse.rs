@@ -108,13 +108,13 @@ impl Run<'_> {
         });
     }
 
-    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `(before,
-    /// carried)`: kinetic energy [N mm] and load factor at the start of the increment.
+    /// Whether the scene collapsed in the increment of the last commit; sets status and fall if so. `(before, carried,
+    /// light)`: kinetic energy [N mm] and load factor at the start of the increment; whether a light body moves.
     pub(in crate::solve) fn collapses(
         &mut self,
         step_run: &StepRun,
         method: Method,
-        (before, carried): (f64, f64),
+        (before, carried, light): (f64, f64, bool),
     ) -> bool {
         let seeks = step_run.step.procedure.seeks_equilibrium();
         if !seeks || method != Method::QuasiStatic {
@@ -127,7 +127,7 @@ impl Run<'_> {
         let hastens = energies.kinetic > before;
         // Under little more than its limit load a block gains speed, but never much energy beside its friction.
         let slides = step_run.held > 0 && hastens;
-        let moves = slides || is_moving(energies.kinetic, before, energies.taken());
+        let moves = light || slides || is_moving(energies.kinetic, before, energies.taken());
         if !prescribes(step_run.step) && !moves {
             // The loads grow at rest: the wall carried those at the start of the increment. At its end it may have begun to
             // slide. A fall begins slowly, with a kinetic energy that grows from increment to increment.
@@ -137,7 +137,7 @@ impl Run<'_> {
             return false;
         }
         last_equilibrium.hastens = hastens;
-        if energies.moving() <= QUIET && !slides {
+        if energies.moving() <= QUIET && !slides && !light {
             return false;
         }
         let Some((bodies, driven)) = self.moved(step_run.index) else {
@@ -177,6 +177,21 @@ impl Run<'_> {
             self.summary.fall = self.fall((step_run.index, factor), &bodies, driven);
         }
         collapsed
+    }
+
+    /// Whether a body that no bond holds moves beside its own forces, in an increment of `auto` with inertia in a step
+    /// that only loads. Beside parts under high pressure its energy is nothing.
+    pub(in crate::solve) fn light_body_moves(&self, step_run: &StepRun, method: Method) -> bool {
+        let step = step_run.step;
+        let seeks = step.procedure.seeks_equilibrium() && step.only_loads();
+        let (true, Method::QuasiStatic, Some(last)) = (seeks, method, &self.last_equilibrium)
+        else {
+            return false;
+        };
+        let newton = &step_run.newton;
+        let loads = &newton.loading.loads.total;
+        let at = (&self.system, &self.trial);
+        (newton.scales.bodies).any_moves(at, &self.state, loads, &last.q)
     }
 
     /// Whether bodies gain speed under loads that stay when no further increment is found, as where elements are crushed
@@ -298,6 +313,8 @@ impl Run<'_> {
             load_factor: last_equilibrium.load_factor,
             kinetic_energy_J: 1e-3 * self.state.energies.kinetic,
             bodies: named,
+            found_in: (step.0 != last_equilibrium.step)
+                .then(|| format!("step {} ({})", step.0, self.model.steps[step.0].name)),
         })
     }
 
@@ -332,7 +349,6 @@ fn moved(model: &Model, system: &System, step: &Step, u: &[[f64; 3]]) -> Vec<Mov
     let mesh = &model.mesh;
     let loaded = loaded(model, step);
     let units = mesh.unit.iter().max().map_or(0, |unit| *unit as usize + 1);
-    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; units];
     let mut bodies: Vec<Moved> = (0..units)
         .map(|_| Moved {
             by: [0.0; 3],
@@ -346,7 +362,7 @@ fn moved(model: &Model, system: &System, step: &Step, u: &[[f64; 3]]) -> Vec<Mov
     // Bodies share no nodes.
     let mut seen = vec![false; mesh.nodes.len()];
     for (nodes, unit) in mesh.elements.iter().zip(&mesh.unit) {
-        let (body, own) = (&mut bodies[*unit as usize], &mut boxes[*unit as usize]);
+        let body = &mut bodies[*unit as usize];
         for n in nodes.map(|n| n as usize) {
             if std::mem::replace(&mut seen[n], true) {
                 continue;
@@ -357,16 +373,13 @@ fn moved(model: &Model, system: &System, step: &Step, u: &[[f64; 3]]) -> Vec<Mov
             body.loaded |= loaded[n];
             for i in 0..3 {
                 body.by[i] += u[n][i];
-                own[0][i] = own[0][i].min(mesh.nodes[n][i]);
-                own[1][i] = own[1][i].max(mesh.nodes[n][i]);
             }
         }
     }
-    for (body, [low, high]) in bodies.iter_mut().zip(boxes) {
+    for (body, edge) in bodies.iter_mut().zip(mesh.smallest_edges()) {
         if body.count > 0.0 {
             body.by = body.by.map(|sum| sum / body.count);
-            let edges = (0..3).map(|i| high[i] - low[i]);
-            body.edge = edges.fold(f64::INFINITY, f64::min);
+            body.edge = edge;
         }
     }
     bodies

@@ -8,12 +8,16 @@ use wythe_contact::JointLaw;
 use crate::assembly::{System, Trial};
 use crate::model::Model;
 use crate::model::surfaces::ContactSurfaces;
+use crate::state::{QUIET, State};
 
 /// Largest resultant of the out-of-balance forces on a body over the forces that act on it.
-pub(in crate::solve) const RESULTANT: f64 = 1e-2;
+pub(in crate::solve) const RESULTANT: f64 = 4e-3;
 
 /// Least scale of the resultant on a node of a body, as a part of the scale of the scene.
 pub(in crate::solve) const LEAST: f64 = 1e-6;
+
+/// Way over the smallest edge of a body below which its motion is that of an elastic structure.
+const NEAR: f64 = 1e-3;
 
 /// Mark of nodes and slots of no body.
 const NONE: u32 = u32::MAX;
@@ -26,6 +30,8 @@ pub(in crate::solve) struct Bodies {
     of_slot: Vec<(u32, u8)>,
     /// Number of nodes. `[body]`
     nodes: Vec<u32>,
+    /// Smallest edge of the box around a body at rest [mm]. `[body]`
+    edge: Vec<f64>,
 }
 
 impl Bodies {
@@ -44,6 +50,7 @@ impl Bodies {
         for &body in of_node.iter().filter(|body| **body != NONE) {
             nodes[body as usize] += 1;
         }
+        let edge = mesh.smallest_edges();
         let dofs = &system.dofs;
         let of_slot = (0..dofs.slots).map(|slot| {
             if slot >= dofs.beam_start {
@@ -56,6 +63,7 @@ impl Bodies {
             of_slot: of_slot.collect(),
             of_node,
             nodes,
+            edge,
         }
     }
 
@@ -76,6 +84,18 @@ impl Bodies {
                 resultant[body as usize][i as usize] += r;
             }
         }
+        let acting = self.acting((system, trial), loads, least);
+        let over = |(r, acting): (&[f64; 3], &f64)| norm(r) / acting.max(f64::MIN_POSITIVE);
+        resultant.iter().zip(&acting).map(over).fold(0.0, f64::max)
+    }
+
+    /// Half the sum of the sizes of the forces on the nodes of each body, at least `least` on each [N]. `[body]`
+    fn acting(
+        &self,
+        (system, trial): (&System, &Trial),
+        loads: impl Iterator<Item = f64>,
+        least: f64,
+    ) -> Vec<f64> {
         let mut acting: Vec<f64> = (self.nodes.iter())
             .map(|&nodes| least * f64::from(nodes))
             .collect();
@@ -90,8 +110,33 @@ impl Bodies {
                 acting[body as usize] += 0.5 * norm(force);
             }
         }
-        let over = |(r, acting): (&[f64; 3], &f64)| norm(r) / acting.max(f64::MIN_POSITIVE);
-        resultant.iter().zip(&acting).map(over).fold(0.0, f64::max)
+        acting
+    }
+
+    /// Whether a body moves beside its own forces (docs/theory/inertia.md, eq. 10b). `loads`: [N] `[slot]`; `since`:
+    /// displacements of the last equilibrium [mm] `[slot]`.
+    pub(in crate::solve) fn any_moves(
+        &self,
+        (system, trial): (&System, &Trial),
+        state: &State,
+        loads: &[f64],
+        since: &[f64],
+    ) -> bool {
+        let mut kinetic = vec![0.0; self.nodes.len()];
+        let mut way = vec![[0.0; 3]; self.nodes.len()];
+        for (slot, &(body, i)) in self.of_slot.iter().enumerate() {
+            if body != NONE {
+                let (body, v) = (body as usize, state.velocity[slot]);
+                kinetic[body] += 0.5 * system.mass.slot[slot] * v * v;
+                way[body][i as usize] += state.q[slot] - since[slot];
+            }
+        }
+        let acting = self.acting((system, trial), loads.iter().map(|f| f.abs()), 0.0);
+        (0..self.nodes.len()).any(|body| {
+            let way = norm(&way[body]) / f64::from(self.nodes[body].max(1));
+            let way = way.max(NEAR * self.edge[body]);
+            kinetic[body] > 0.0 && kinetic[body] >= QUIET * acting[body] * way
+        })
     }
 }
 

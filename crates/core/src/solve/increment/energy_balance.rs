@@ -23,9 +23,9 @@ const LEAK: f64 = 2.5e-3;
 /// Twice that. Beyond it an increment in balance must not add to the open energy.
 const LEAKING: f64 = 5e-3;
 /// How often an increment takes over its tractions again, without a solve, to close its energy.
-const PURSUIT: usize = 12;
+const TRACTION_UPDATES: usize = 12;
 /// The same where a displacement steers the load: here each repetition needs a solve to find balance again.
-const PURSUIT_STEERED: usize = 2;
+const TRACTION_UPDATES_STEERED: usize = 2;
 /// Part of the last traction change with which the next increment starts where too much energy is open. Patterns
 /// without nodal forces then decay.
 const DAMPED: f64 = 0.5;
@@ -34,7 +34,7 @@ const DAMPED: f64 = 0.5;
 #[derive(Default)]
 pub(in crate::solve) struct Taken {
     /// w, the energy left open.
-    pub(in crate::solve) leak: f64,
+    pub(in crate::solve) open: f64,
     /// ΔE + D.
     pub(in crate::solve) net: f64,
     /// |ΔE| + |D|.
@@ -42,11 +42,11 @@ pub(in crate::solve) struct Taken {
 }
 
 /// Number of attempts to close the energy of an increment in balance.
-pub(in crate::solve) fn pursuit(method: Method) -> usize {
+pub(in crate::solve) fn traction_updates(method: Method) -> usize {
     if method == Method::DisplacementControl {
-        PURSUIT_STEERED
+        TRACTION_UPDATES_STEERED
     } else {
-        PURSUIT
+        TRACTION_UPDATES
     }
 }
 
@@ -83,7 +83,7 @@ impl Newton<'_> {
             work -= 0.5 * (r + left) * (self.q[slot] - state.q[slot]);
         }
         Taken {
-            leak: stored + dissipated - work,
+            open: stored + dissipated - work,
             net: stored + dissipated,
             gross: stored.abs() + dissipated.abs(),
         }
@@ -96,7 +96,7 @@ impl Newton<'_> {
         let stored = energies.elastic - state.energies.elastic;
         let net = energies.taken() - state.energies.taken();
         Taken {
-            leak: state.energies.open() - energies.open(),
+            open: state.energies.open() - energies.open(),
             net,
             gross: stored.abs() + (net - stored).abs(),
         }
@@ -107,14 +107,14 @@ impl Newton<'_> {
     pub(in crate::solve) fn closes(&self, system: &System, state: &State, trial: &Trial) -> bool {
         let taken = self.taken(system, state, trial);
         let before = &state.energies;
-        let after = (before.leaked + taken.leak).abs();
+        let after = (before.leaked + taken.open).abs();
         after <= LEAKING * (before.taken() + taken.net)
             || after <= before.leaked.abs()
-            || taken.leak.abs() <= LEAKING * taken.gross
+            || taken.open.abs() <= LEAKING * taken.gross
     }
 
     /// Part of the last traction change with which the next increment starts (docs/theory/energies.md, eq. 16).
-    pub(in crate::solve) fn momentum(&self, before: &Energies) -> f64 {
+    pub(in crate::solve) fn traction_extrapolation(&self, before: &Energies) -> f64 {
         let open = before.leaked.abs() > LEAK * before.taken();
         if open && !self.method().has_inertia() {
             DAMPED
@@ -130,7 +130,7 @@ impl Newton<'_> {
         state: &mut State,
         trial: &Trial,
     ) {
-        state.energies.leaked += self.taken(system, state, trial).leak;
+        state.energies.leaked += self.taken(system, state, trial).open;
         self.vectors.left.copy_from_slice(&self.vectors.residual);
     }
 }

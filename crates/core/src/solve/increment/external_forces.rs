@@ -9,6 +9,8 @@ use crate::state::State;
 pub struct Loads {
     /// All loads of the unknowns [N]. `[slot]`
     pub total: Vec<f64>,
+    /// Acceleration of the weights, less that of the ground, g − a [mm/s²].
+    pub weights: [f64; 3],
     /// Gravity and ground motion alone, M (g − a) [N]. `[slot]`
     pub body: Vec<f64>,
     /// Mean magnitude of `body` over the nodes of the elements [N].
@@ -33,6 +35,7 @@ impl Loads {
         let slots = system.dofs.slots;
         let mut loads = Self {
             total: vec![0.0; slots],
+            weights: [0.0; 3],
             body: vec![0.0; slots],
             mean: 0.0,
             applied_start: state.applied.clone(),
@@ -51,6 +54,7 @@ impl Loads {
     pub fn at(&mut self, step: &Step, system: &System, s: f64, time: f64) {
         let (gravity, ground) = (step.gravity.at(s), step.ground.at(time * step.duration));
         let acceleration = [0, 1, 2].map(|i| gravity[i] - ground[i]);
+        self.weights = acceleration;
         system.mass.forces(acceleration, &mut self.body);
         let slots = 0..self.body.len();
         self.mean = system

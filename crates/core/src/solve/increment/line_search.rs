@@ -1,7 +1,7 @@
 //! Energy line search: a root search in one variable (docs/theory/equilibrium.md, eq. 11).
 //!
 //! Along the Newton direction d, s(η) = d·r(q + η d) is the slope of the energy. The search ignores norms of r, which
-//! may grow while the slope falls (the range of stick is only 2 f/k_s ≈ 4e-6 mm wide). A residual costs a tenth of a
+//! may grow while the slope falls (the range of stick is only 2 c/k_s ≈ 3e-5 mm wide). A residual costs a tenth of a
 //! factorisation, so a few evaluations pay.
 
 use super::outcome::Rejection;

@@ -1,6 +1,6 @@
 //! One increment: predictor, Newton iterations, line search, convergence, energy balance.
 
-mod body_balance;
+pub(in crate::solve) mod body_balance;
 pub(in crate::solve) mod convergence;
 pub(in crate::solve) mod direction;
 pub(in crate::solve) mod elimination;

@@ -33,7 +33,7 @@ impl Newton<'_> {
         };
         self.load(at, setting, end);
         if let (Some(last), true) = (last, setting.shifted) {
-            let ratio = self.momentum(&at.state.energies) * dt / last.dt;
+            let ratio = self.traction_extrapolation(&at.state.energies) * dt / last.dt;
             (at.system).extrapolate_tractions(self.model, at.state, at.trial, ratio);
         }
         // With inertia, motion continues; a tangent would make sliding points stick.
@@ -75,6 +75,11 @@ impl Newton<'_> {
         let loads_start = &mut self.loading.loads_start;
         loads_start.at(self.step, at.system, start, increment.start);
         loads_start.follow(at.system, &at.trial.x);
+        if self.motion.is_none() {
+            // A weight that the step turns at once acts on a body at rest as if it turned within the increment.
+            let weights = at.state.weights;
+            at.system.mass.forces(weights, &mut loads_start.body);
+        }
         self.load_to(end, at.system, at.trial);
         if let Some(motion) = &mut self.motion {
             motion.start(at.state, setting.dt, &self.loading.loads_start.total);

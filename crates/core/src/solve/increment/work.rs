@@ -126,6 +126,7 @@ impl Newton<'_> {
     pub(in crate::solve) fn enter(&self, account: Account, state: &mut State, trial: &Trial) {
         state.energies = account.energies;
         state.loads.clone_from(&self.loading.loads.values);
+        state.weights = self.loading.loads.weights;
         state.applied = account.applied;
         state.spring_forces = account.spring_forces;
         state.spring_ends.clone_from(&trial.spring_ends);

@@ -29,7 +29,7 @@ use crate::solve::Recorder;
 use crate::solve::dynamics::collapse::LastEquilibrium;
 use crate::solve::fidelity::{Part, Reached, Reduction};
 use crate::solve::increment::newton::Newton;
-use crate::solve::stepping::counts::{Carried, Snaps, Swings};
+use crate::solve::stepping::counts::{Carried, MotionWarnings, Snaps};
 use crate::solve::stepping::energy_watch::EnergyWatch;
 use crate::solve::stepping::fallback::Fallback;
 use crate::solve::stepping::path::PathMeasure;
@@ -57,7 +57,7 @@ pub struct Checkpoint {
     clock: Clock,
     output_seconds: f64,
     snaps: Snaps,
-    swings: Swings,
+    swings: MotionWarnings,
     carried: Carried,
     energy_watch: EnergyWatch,
     last_equilibrium: Option<LastEquilibrium>,

@@ -1,6 +1,6 @@
 //! Acceptance of an increment in equilibrium, and size of the next one (docs/theory/procedures.md, Algorithm).
 
-use wythe_contact::InterfaceHistory;
+use wythe_contact::{InterfaceHistory, JointLaw};
 
 use super::peak_control::{AT_REST, Passage};
 use super::run::{CUT, Run};
@@ -31,6 +31,10 @@ const GAIN: f64 = 0.01;
 const ROUNDING: f64 = 1e-6;
 /// Part of the pressed contact points that must meet or part in an impact.
 const IMPACT: f64 = 0.2;
+/// Part of the limit of friction from which a point slid at the start of an increment.
+const SLID: f64 = 0.99;
+/// Change of the friction of such a point, as a part of itself, by which it brakes or slides back.
+const BRAKES: f64 = 0.5;
 
 impl Run<'_> {
     /// Whether bodies met or parted in the increment that ends at the trial.
@@ -50,6 +54,37 @@ impl Run<'_> {
         changed as f64 > IMPACT * before.max(after) as f64
     }
 
+    /// Whether bodies that slid at the start of the increment that ends at the trial brake or slide back: friction jumps
+    /// within it.
+    fn brakes(&self) -> bool {
+        let jumps = |law: &dyn JointLaw, old: &InterfaceHistory, new: &InterfaceHistory| {
+            let [was, is] = [old, new].map(|history| &history.traction);
+            let change = (is[1] - was[1]).hypot(is[2] - was[2]);
+            change > BRAKES * was[1].hypot(was[2]) && law.utilisation(was, old) >= SLID
+        };
+        let presses = |history: &InterfaceHistory| history.traction[0] < 0.0;
+        let (mut pressed, mut braking) = (0, 0);
+        let points = self.state.interface.iter().zip(&self.trial.joints.history);
+        for (p, (old, new)) in points.enumerate() {
+            if presses(old) && presses(new) {
+                let law = self.system.contact.law(self.model, p);
+                pressed += 1;
+                braking += usize::from(jumps(law, old, new));
+            }
+        }
+        if let Some(general) = &self.model.contact.general {
+            for touch in &self.trial.general.touches {
+                let (old, new) = (&touch.old, &touch.touch.history);
+                if presses(old) && presses(new) {
+                    pressed += 1;
+                    let [a, b] = touch.touch.facets;
+                    braking += usize::from(jumps(&general.law(a, b), old, new));
+                }
+            }
+        }
+        braking as f64 > IMPACT * pressed as f64
+    }
+
     /// Numbers of touches of general contact that press at both ends of the increment that ends at the trial, at its
     /// end only, and at its start only.
     fn touches_changed(&self) -> (usize, usize, usize) {
@@ -67,8 +102,8 @@ impl Run<'_> {
         (held, new, before - held.min(before))
     }
 
-    /// Whether to repeat the increment that ends at the trial, because bodies meet or part in it. It is repeated with
-    /// a smaller size or, if it is already small and HHT gained energy in the impact, with backward Euler.
+    /// Whether to repeat the increment that ends at the trial, because bodies meet, part or brake in it. It is repeated
+    /// with a smaller size or, if it is already small and HHT gained energy in the impact, with backward Euler.
     pub(in crate::solve) fn try_as_shock(
         &self,
         step_run: &mut StepRun,
@@ -80,15 +115,16 @@ impl Run<'_> {
         if !(dynamic || carried) {
             return false;
         }
+        let floor = step_run.fallback.floor();
+        let smallest = floor.max(step_run.step.increments.min / CUT);
         let (_, met, parted) = self.touches_changed();
+        if dynamic && request.increment.size > smallest && self.brakes() {
+            return step_run.schedule.cut(request.increment, CUT).is_ok();
+        }
         if !self.is_shock() {
             // Few of many points meet: this is no impact of the whole, but HHT may still gain energy.
             return met + parted > 0 && self.makes_energy(step_run, dynamic);
         }
-        let smallest = step_run
-            .fallback
-            .floor()
-            .max(step_run.step.increments.min / CUT);
         if request.increment.size > smallest {
             return step_run.schedule.cut(request.increment, CUT).is_ok();
         }
@@ -124,7 +160,7 @@ impl Run<'_> {
         }
     }
 
-    /// Part of all work done that the increment that ends at the trial leaves unaccounted for, if it is too large and
+    /// Part of all work done that the increment that ends at the trial leaves unaccounted for or makes, if it is too large and
     /// a smaller increment or another method may do better.
     fn energy_lost(&self, step_run: &StepRun, request: IncrementRequest) -> Option<f64> {
         let jumps = request.method == Method::Static && step_run.step.procedure == Procedure::Auto;
@@ -149,7 +185,15 @@ impl Run<'_> {
             .energy_watch
             .work()
             .max(state.energies.taken() + taken.net);
-        let lost = taken.leak.abs() / work;
+        // Backward Euler only takes energy. What makes some has come to another equilibrium, far away.
+        let made = match request.method {
+            Method::QuasiStatic => {
+                let newton = &step_run.newton;
+                -newton.numerical_dissipation(&self.system, state, trial)
+            }
+            _ => 0.0,
+        };
+        let lost = taken.open.abs().max(made) / work;
         (lost > LOST).then_some(lost)
     }
 

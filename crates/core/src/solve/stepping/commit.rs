@@ -73,7 +73,7 @@ impl Run<'_> {
     ) -> HistoryRow {
         let (state, trial, step) = (&self.state, &self.trial, step_run.index);
         let (displacement, force, reaction) = self.driven(step);
-        let reactions = self.reactions(step, report.load_factor, request.increment.end());
+        let reactions = self.reactions();
         // Of general contact, only pressed touches count.
         let touching = |status: PointStatus| {
             let pressed = trial

@@ -59,7 +59,7 @@ const QUASI_STATIC: f64 = 0.05;
 
 /// Counts increments in which a quasi-static step was not quasi-static.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Swings {
+pub struct MotionWarnings {
     count: usize,
     step: usize,
     time: f64,
@@ -73,7 +73,7 @@ pub struct Swings {
 /// increments in a period, whose frequency errs by 1.4 %.
 const COARSE: f64 = 0.01;
 
-impl Swings {
+impl MotionWarnings {
     /// Notes the error of the time integration in an increment of a step [mm], and the largest displacement at its end
     /// [mm].
     pub fn note_time_error(&mut self, step: usize, error: f64, displacement: f64) {

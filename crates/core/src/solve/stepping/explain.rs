@@ -5,6 +5,7 @@ use crate::material::MaterialParameters;
 use crate::model::Model;
 use crate::model::scene::{NamedMaterial, Procedure, Step, Tangent};
 use crate::solve::fidelity::Part;
+use crate::solve::increment::body_balance::RESULTANT;
 use crate::solve::increment::convergence::{IMBALANCE, WORK};
 use crate::solve::increment::outcome::Rejection;
 use crate::state::Lost;
@@ -48,6 +49,22 @@ pub(in crate::solve) fn why(
     rejection: &Rejection,
 ) -> String {
     match rejection {
+        // The measures of all forces hold, so one of the two others does not.
+        Rejection::Iterations {
+            residual,
+            root_mean_square,
+            work,
+            ..
+        } if *residual <= step.tolerance.residual
+            && *root_mean_square <= IMBALANCE
+            && *work <= WORK =>
+        {
+            format!(
+                "no equilibrium within {} iterations: the out-of-balance forces are within their tolerances, but those on a \
+                 body without a bond exceed {RESULTANT:e} of the forces that act on it, or the displacements still change",
+                step.tolerance.max_iterations
+            )
+        }
         Rejection::Iterations {
             residual,
             root_mean_square,

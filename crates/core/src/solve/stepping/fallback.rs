@@ -88,7 +88,7 @@ pub struct Fallback {
     /// Increment size below which statics is given up.
     floor: f64,
     /// Increments in a row without the trouble for which the first method was left.
-    calm: usize,
+    untroubled: usize,
     patience: usize,
     rising: usize,
     /// Part of the loads at which the first method was left.
@@ -205,7 +205,7 @@ impl Fallback {
             exchange: Exchange::default(),
             at: 0,
             floor: FLOOR * step.increments.initial,
-            calm: 0,
+            untroubled: 0,
             patience: PATIENCE,
             rising: RISING,
             left_at: 0.0,
@@ -244,14 +244,14 @@ impl Fallback {
     pub fn turn(&mut self) -> bool {
         let leaves = self.at > 0 && self.method().follows_path();
         if leaves {
-            (self.at, self.calm) = (0, 0);
+            (self.at, self.untroubled) = (0, 0);
         }
         leaves
     }
 
     /// Returns to the first method, where the last one has failed.
     pub fn begin_again(&mut self) {
-        (self.at, self.calm, self.stalls) = (0, 0, 0);
+        (self.at, self.untroubled, self.stalls) = (0, 0, 0);
     }
 
     /// Starts with inertia, if available, because bodies already move.
@@ -338,7 +338,7 @@ impl Fallback {
         let Some(at) = self.inertia() else {
             return false;
         };
-        (self.at, self.calm) = (at, 0);
+        (self.at, self.untroubled) = (at, 0);
         true
     }
 
@@ -371,7 +371,7 @@ impl Fallback {
                 } else {
                     self.choices.len() - 1
                 };
-                self.calm = 0;
+                self.untroubled = 0;
                 return;
             }
             self.passed_over = 2 << self.lost.min(MOST_LOST);
@@ -393,7 +393,7 @@ impl Fallback {
             next += 1;
         }
         self.at = wanted.map_or(next, |choice| choice.max(next));
-        self.calm = 0;
+        self.untroubled = 0;
     }
 
     /// Counts an increment of so many solves that advances by this part of the step.
@@ -415,7 +415,7 @@ impl Fallback {
         } else {
             0
         };
-        (self.stalls, self.calm) = (0, 0);
+        (self.stalls, self.untroubled) = (0, 0);
         true
     }
 
@@ -447,8 +447,8 @@ impl Fallback {
             }
             _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
-        self.calm = if passed { self.calm + 1 } else { 0 };
-        if self.calm < needed {
+        self.untroubled = if passed { self.untroubled + 1 } else { 0 };
+        if self.untroubled < needed {
             return false;
         }
         match self.method() {
@@ -458,7 +458,7 @@ impl Fallback {
             Method::Dissipation => self.rising *= 2,
             _ => {}
         }
-        (self.at, self.calm) = (0, 0);
+        (self.at, self.untroubled) = (0, 0);
         true
     }
 }

@@ -124,18 +124,9 @@ impl Run<'_> {
     }
 
     /// Forces on the model [N]: external forces on the beams, then reactions of the supports, which also carry gravity,
-    /// inertia and loads of their own nodes, then resultants of the named loads. `load_factor`: part of the step's
-    /// loads, at part `moment` of its time.
-    pub(in crate::solve) fn reactions(
-        &self,
-        step: usize,
-        load_factor: f64,
-        moment: f64,
-    ) -> Vec<[f64; 3]> {
+    /// inertia and loads of their own nodes, then resultants of the named loads.
+    pub(in crate::solve) fn reactions(&self) -> Vec<[f64; 3]> {
         let (model, state, dofs) = (self.model, &self.state, &self.system.dofs);
-        let step = &model.steps[step];
-        let gravity = step.gravity.at(load_factor);
-        let ground = step.ground.at(moment * step.duration);
         let (outside, nodes) = (&self.system.outside, model.mesh.nodes.len());
         let mut loaded = vec![[0.0; 3]; if outside.is_empty() { 0 } else { nodes }];
         let mut resultants = Vec::with_capacity(model.loads.len());
@@ -154,9 +145,9 @@ impl Run<'_> {
         let moves = state.acceleration.iter().any(|a| *a != 0.0);
         let inertia = moves.then(|| self.system.mass.held_forces(&state.acceleration));
         let held = |n: usize, i: usize| {
-            let body = self.system.mass.node[n] * (gravity[i] - ground[i]);
+            let weight = self.system.mass.node[n] * state.weights[i];
             let inertia = inertia.as_ref().map_or(0.0, |forces| forces[n][i]);
-            let own = self.trial.node_force[n][i] + inertia - body;
+            let own = self.trial.node_force[n][i] + inertia - weight;
             loaded.get(n).map_or(own, |loaded| own - loaded[i])
         };
         let beams =

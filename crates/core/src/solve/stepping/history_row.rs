@@ -274,7 +274,8 @@ impl Run<'_> {
         }
         columns.extend(model.reaction_values(reactions));
         let cuts = self.system.cuts.iter();
-        columns.extend(cuts.flat_map(|cut| self.system.section_values(cut, &self.trial)));
+        let weights = state.weights;
+        columns.extend(cuts.flat_map(|cut| self.system.section_values(cut, &self.trial, weights)));
         columns
     }
 }

@@ -331,7 +331,6 @@ mod tests {
                 most = most.max(hill(at));
                 size = (1.5 * size).min(0.7);
             }
-            println!("{most} in {tries}");
             assert!(most > (1.0 - 0.005) * 10.0 && tries < 30);
         }
     }
@@ -440,7 +439,6 @@ mod tests {
                 let exact = f64::max(peak, bonded.force(way));
                 for sign in [1.0, -1.0] {
                     let (most, tries) = bonded.seen(way, sign);
-                    println!("{line} {softens} {way}: {} in {tries}", most / exact);
                     // The given part, and as much again for K, which contains the elasticity of the bond too. (A bond
                     // that softens at 0.9 of the spring's stiffness misses 1.1 % in a drive a thousand times as
                     // long.)

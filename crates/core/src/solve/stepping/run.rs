@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::acceptance::growth;
-use super::counts::{Carried, Snaps, Swings};
+use super::counts::{Carried, MotionWarnings, Snaps};
 use super::energy_watch::EnergyWatch;
 use super::fallback::Fallback;
 use super::step_run::{IncrementRequest, StepRun};
@@ -117,7 +117,7 @@ pub(in crate::solve) struct Run<'m> {
     pub(in crate::solve) clock: Clock,
     pub(in crate::solve) output_seconds: f64,
     pub(in crate::solve) snaps: Snaps,
-    pub(in crate::solve) swings: Swings,
+    pub(in crate::solve) swings: MotionWarnings,
     pub(in crate::solve) carried: Carried,
     pub(in crate::solve) energy_watch: EnergyWatch,
     /// The last equilibrium, while inertia acts in place of statics.
@@ -157,7 +157,7 @@ impl<'m> Run<'m> {
             clock,
             output_seconds: 0.0,
             snaps: Snaps::default(),
-            swings: Swings::default(),
+            swings: MotionWarnings::default(),
             carried: Carried::default(),
             energy_watch: EnergyWatch::default(),
             last_equilibrium: None,
@@ -341,18 +341,16 @@ impl<'m> Run<'m> {
         let row = self.row(step_run, request, report, solves);
         self.note_first_damage(&row);
         let carried = self.count(step_run, request.method, (&row, viscous));
-        let collapsed = self.collapses(step_run, request.method, (before.kinetic, start));
+        let light = self.light_body_moves(step_run, request.method);
+        let collapsed = self.collapses(step_run, request.method, (before.kinetic, start, light));
         let growth = growth(request, report, step_run.fallback.floor());
-        step_run.choose_size(
-            request,
-            growth,
-            self.state.energies.kinetic / before.kinetic,
-        );
+        let energies = self.state.energies;
+        step_run.choose_size(request, growth, energies.kinetic / before.kinetic);
         self.free_damage(step_run);
         self.measure_path(step_run, request, (&dq, added), growth, &before);
-        let hastens = self.state.energies.hastens(&before);
+        let hastens = energies.hastens(&before);
         // A block that slides under little more than its limit gains speed, but never much energy beside its friction.
-        let moves = self.state.energies.moves_on(&before) || (step_run.held > 0 && hastens);
+        let moves = light || energies.moves_on(&before) || (step_run.held > 0 && hastens);
         if !collapsed {
             self.watch_stability(step_run, start);
         }
@@ -551,7 +549,7 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
     ) {
         let text = format!(
-            "step {} ({}), {}: {why}; goes on by {}",
+            "step {} ({}), {}: {why}; continues with {}",
             step_run.index,
             step_run.step.name,
             step_run.progress(),

@@ -259,9 +259,10 @@ impl<'m> StepRun<'m> {
                     of_statics: if softens { floor } else { limit },
                 }
             }
+            // The limit of a stiff scene may lie within few of the smallest increments of a long drive.
             (false, false) => Least {
                 before_motion: f64::INFINITY,
-                of_statics: floor,
+                of_statics: floor.min(EARLY * self.schedule.done().abs()),
             },
         }
     }
@@ -426,6 +427,9 @@ impl<'m> StepRun<'m> {
 
 /// Most increments for which loads are held.
 const MOST_HELD: usize = 400;
+
+/// Part of the way so far down to which a step that drives or steers is cut, where that is less than its smallest size.
+const EARLY: f64 = 0.02;
 
 /// Size down to which the first increment of a step is cut, as a part of its given size.
 const FIRST: f64 = 1e-3;
