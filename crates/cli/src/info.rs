@@ -62,9 +62,12 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
 }
 
 /// Result of writing text to a string, which does not fail.
-type Told = std::fmt::Result;
 
-fn folder(text: &mut String, folder: &RunFolder, asked: &Info) -> Result<Told, Failure> {
+fn folder(
+    text: &mut String,
+    folder: &RunFolder,
+    asked: &Info,
+) -> Result<std::fmt::Result, Failure> {
     let (history, summary) = (folder.history()?, folder.summary()?);
     let answers = folder.answers()?;
     let given = given_drifts(&history, &answers, asked)?;
@@ -81,7 +84,7 @@ fn folder(text: &mut String, folder: &RunFolder, asked: &Info) -> Result<Told, F
         .as_ref()
         .map(|f| f.times().to_vec())
         .map_err(ToString::to_string);
-    let tell = |text: &mut String| -> Told {
+    let tell = |text: &mut String| -> std::fmt::Result {
         writeln!(text, "{title}")?;
         writeln!(text, "  folder      {}", folder.path().display())?;
         writeln!(
@@ -113,7 +116,7 @@ fn folder(text: &mut String, folder: &RunFolder, asked: &Info) -> Result<Told, F
     Ok(tell(text))
 }
 
-fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> Told {
+fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> std::fmt::Result {
     let status = match summary.map(|s| s.status) {
         Some(Status::Completed) => "completed; the folder is whole",
         Some(Status::Collapsed) => "collapsed; the folder is whole",
@@ -154,7 +157,7 @@ fn status(text: &mut String, summary: Option<&SummaryFile>, path: &Path) -> Told
     Ok(())
 }
 
-fn sizes(text: &mut String, s: &SummaryFile) -> Told {
+fn sizes(text: &mut String, s: &SummaryFile) -> std::fmt::Result {
     writeln!(
         text,
         "  sizes       {}, {}, {}, {}, {}",
@@ -166,7 +169,7 @@ fn sizes(text: &mut String, s: &SummaryFile) -> Told {
     )
 }
 
-fn steps(text: &mut String, history: &ReadHistory) -> Told {
+fn steps(text: &mut String, history: &ReadHistory) -> std::fmt::Result {
     if history.rows.is_empty() {
         return writeln!(text, "  steps       no increment is done");
     }
@@ -185,7 +188,7 @@ fn steps(text: &mut String, history: &ReadHistory) -> Told {
     Ok(())
 }
 
-fn curve(text: &mut String, history: &ReadHistory) -> Told {
+fn curve(text: &mut String, history: &ReadHistory) -> std::fmt::Result {
     let curve = history.curve();
     let Some(peak) = curve.peak() else {
         return writeln!(text, "  peak        nothing was driven");
@@ -207,7 +210,7 @@ fn curve(text: &mut String, history: &ReadHistory) -> Told {
 }
 
 /// Lines under their headings; a heading stands once.
-fn told<'a>(text: &mut String, lines: impl Iterator<Item = &'a Line>) -> Told {
+fn told<'a>(text: &mut String, lines: impl Iterator<Item = &'a Line>) -> std::fmt::Result {
     let mut before = "";
     for line in lines {
         let head = if line.head == before { "" } else { line.head };
@@ -246,7 +249,7 @@ fn given_drifts(
     Ok(points.into_iter().map(line).collect())
 }
 
-fn errors(text: &mut String, s: &SummaryFile) -> Told {
+fn errors(text: &mut String, s: &SummaryFile) -> std::fmt::Result {
     let mut head = "error";
     for line in s.error_estimate.iter().flat_map(error_estimate::lines) {
         writeln!(text, "  {head:10}  {line}")?;
@@ -255,7 +258,7 @@ fn errors(text: &mut String, s: &SummaryFile) -> Told {
     Ok(())
 }
 
-fn cost(text: &mut String, s: &SummaryFile) -> Told {
+fn cost(text: &mut String, s: &SummaryFile) -> std::fmt::Result {
     writeln!(
         text,
         "  cost        {}, {}, {}, {} on {}{}",
@@ -269,7 +272,11 @@ fn cost(text: &mut String, s: &SummaryFile) -> Told {
     )
 }
 
-fn energies(text: &mut String, history: &ReadHistory, summary: Option<&SummaryFile>) -> Told {
+fn energies(
+    text: &mut String,
+    history: &ReadHistory,
+    summary: Option<&SummaryFile>,
+) -> std::fmt::Result {
     let Some(row) = history.rows.last() else {
         return Ok(());
     };
@@ -304,7 +311,7 @@ fn energies(text: &mut String, history: &ReadHistory, summary: Option<&SummaryFi
     }
 }
 
-fn of_frames(text: &mut String, times: &[f64]) -> Told {
+fn of_frames(text: &mut String, times: &[f64]) -> std::fmt::Result {
     match times {
         [] => writeln!(text, "  frames      none"),
         [first, .., last] => writeln!(
@@ -318,7 +325,7 @@ fn of_frames(text: &mut String, times: &[f64]) -> Told {
 }
 
 /// Lists the files of a run with their sizes.
-fn files(text: &mut String, path: &Path) -> Told {
+fn files(text: &mut String, path: &Path) -> std::fmt::Result {
     let names = [
         HISTORY,
         FIELDS,
@@ -354,7 +361,7 @@ fn bytes(count: u64) -> String {
     format!("{value:.1} TB")
 }
 
-fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
+fn fields(text: &mut String, file: &FieldsFile) -> Result<std::fmt::Result, Failure> {
     let read = |why| ReadError::Read {
         path: file.path().to_owned(),
         why,
@@ -372,7 +379,7 @@ fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
         ];
         if low <= high { high - low } else { 0.0 }
     });
-    let tell = |text: &mut String| -> Told {
+    let tell = |text: &mut String| -> std::fmt::Result {
         writeln!(text, "{title}")?;
         writeln!(
             text,
@@ -408,11 +415,11 @@ fn fields(text: &mut String, file: &FieldsFile) -> Result<Told, Failure> {
     Ok(tell(text))
 }
 
-fn model(text: &mut String, path: &Path) -> Result<Told, Failure> {
+fn model(text: &mut String, path: &Path) -> Result<std::fmt::Result, Failure> {
     let deck = Deck::load(path, &[])?;
     let (model, warnings) = Model::from_deck(&deck)?;
     let sizes = model::sizes::sizes(&model);
-    let tell = |text: &mut String| -> Told {
+    let tell = |text: &mut String| -> std::fmt::Result {
         writeln!(text, "{}", model.title)?;
         writeln!(text, "  model       {}", path.display())?;
         writeln!(

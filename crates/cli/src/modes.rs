@@ -19,8 +19,8 @@ pub fn modes(arguments: &Modes) -> Result<(), Failure> {
     let (found, out) = if path.is_dir() {
         if !arguments.with.overrides().is_empty() {
             return Err(Failure::Model(miette::miette!(
-                help = "--set says keys of a model anew: name its TOML file",
-                "{} is a folder of results: what was run stands",
+                help = "--set applies to a model: name its TOML file",
+                "{} is a folder of results, whose model cannot be changed",
                 path.display()
             )));
         }

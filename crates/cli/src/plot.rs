@@ -262,7 +262,7 @@ pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<PathBuf, IoError
 /// Failure of a picture that cannot be drawn.
 pub fn undrawn(why: &str) -> Failure {
     Failure::Model(miette::miette!(
-        help = "look at history.csv: are there numbers that are none?",
+        help = "look for values in history.csv that are not finite",
         "the picture cannot be drawn: {why}"
     ))
 }

@@ -79,14 +79,19 @@ impl Voice {
     }
 }
 
-/// Style of the bar, with characters that the terminal can draw.
-fn style(unicode: bool, colours: bool) -> ProgressStyle {
+/// Template of the bar and the line below it.
+fn template(colours: bool) -> String {
     let bar = if colours {
         "{wide_bar:.cyan/dim}"
     } else {
         "{wide_bar}"
     };
-    let style = ProgressStyle::with_template(&format!("{bar} {{percent:>3}} %\n{{msg}}"));
+    format!("{bar} {{percent:>3}} %\n{{msg}}")
+}
+
+/// Style of the bar, with characters that the terminal can draw.
+fn style(unicode: bool, colours: bool) -> ProgressStyle {
+    let style = ProgressStyle::with_template(&template(colours));
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     style.progress_chars(if unicode {
         "█▉▊▋▌▍▎▏ "
@@ -316,9 +321,8 @@ mod tests {
 
     #[test]
     fn templates_of_the_bar_are_sound() {
-        for (unicode, colours) in [(true, true), (true, false), (false, true), (false, false)] {
-            let bar = ProgressBar::hidden();
-            bar.set_style(style(unicode, colours));
+        for colours in [true, false] {
+            assert!(ProgressStyle::with_template(&template(colours)).is_ok());
         }
     }
 }

@@ -215,7 +215,7 @@ impl Extent {
             return Err(wrong("it ends before the checkpoint"));
         }
         if crc32fast::hash(&bytes) != self.sum {
-            return Err(wrong("its check sum is another than at the checkpoint"));
+            return Err(wrong("its check sum differs from that in the checkpoint"));
         }
         Ok(bytes)
     }

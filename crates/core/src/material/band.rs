@@ -59,7 +59,7 @@ pub(super) struct BandWidths {
     curves: Vec<Curve>,
     /// Logarithm of the smallest width, and the number of curves per unit of the logarithm.
     lowest: f64,
-    rungs: f64,
+    per_log: f64,
     /// κ at the peak stress. Up to this value all curves coincide.
     pub onset: f64,
     /// Largest width that has a curve [mm]; wider bands count as so wide.
@@ -77,7 +77,7 @@ impl BandWidths {
             onset: curve.peak(),
             curves: vec![curve],
             lowest: 0.0,
-            rungs: 0.0,
+            per_log: 0.0,
             widest: f64::INFINITY,
         }
     }
@@ -89,27 +89,27 @@ impl BandWidths {
         if width <= self.widest * (1.0 + 1e-9) {
             return 0.0;
         }
-        let curve = self.curve(self.rung(width));
+        let curve = self.curve(self.index(width));
         (1.0 - self.widest / width) * curve.softening_energy(kappa, e)
     }
 
     /// Index of the curve for a band of `width` [mm].
     #[inline(always)]
-    pub fn rung(&self, width: f64) -> usize {
-        let at = ((width.ln() - self.lowest) * self.rungs).round();
+    pub fn index(&self, width: f64) -> usize {
+        let at = ((width.ln() - self.lowest) * self.per_log).round();
         // A width of 0 gives NaN, which selects the first curve.
         (at.max(0.0) as usize).min(self.curves.len() - 1)
     }
 
     /// Whether there is more than one curve.
     #[inline(always)]
-    pub fn has_rungs(&self) -> bool {
+    pub fn has_several(&self) -> bool {
         self.curves.len() > 1
     }
 
     #[inline(always)]
-    pub fn curve(&self, rung: usize) -> &Curve {
-        &self.curves[rung]
+    pub fn curve(&self, index: usize) -> &Curve {
+        &self.curves[index]
     }
 }
 
@@ -158,7 +158,7 @@ impl Curves {
             return Self::of_length(p, None);
         };
         let mut warnings = Vec::new();
-        let mut ladder = |branch, rows| {
+        let mut curves_of = |branch, rows| {
             let limit = snap_back(p.elastic.E, rows).map_or(f64::INFINITY, |(row, ratio)| {
                 let limit = ratio * l_ref / WITHIN;
                 if widths[1] > limit {
@@ -174,15 +174,15 @@ impl Curves {
             });
             let [low, high] = widths.map(|w| w.min(limit));
             let count = ((high / low).ln() / RATIO.ln()).ceil().max(0.0) as usize + 1;
-            let rungs = 1.0 / RATIO.ln();
+            let per_log = 1.0 / RATIO.ln();
             let mut curves = Vec::with_capacity(count);
-            for rung in 0..count {
-                let width = (low * RATIO.powi(rung as i32)).min(high);
+            for index in 0..count {
+                let width = (low * RATIO.powi(index as i32)).min(high);
                 let scaling = Some((l_ref, width));
                 let (curve, more) =
                     Curve::new(branch, rows, p.elastic.E, scaling, p.interpolation)?;
                 curves.push(curve);
-                if rung == 0 || rung + 1 == count {
+                if index == 0 || index + 1 == count {
                     warnings.extend(more);
                 }
             }
@@ -190,13 +190,13 @@ impl Curves {
             Ok(BandWidths {
                 curves,
                 lowest: low.ln(),
-                rungs,
+                per_log,
                 onset,
                 widest: high,
             })
         };
-        let tension = ladder(Branch::Tension, &p.tension)?;
-        let compression = ladder(Branch::Compression, &p.compression)?;
+        let tension = curves_of(Branch::Tension, &p.tension)?;
+        let compression = curves_of(Branch::Compression, &p.compression)?;
         Ok((
             Arc::new(Self {
                 tension,

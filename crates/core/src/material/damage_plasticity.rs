@@ -312,14 +312,18 @@ impl DamagePlasticity {
             s: [0.0; 3],
             kappa_t,
             kappa_c,
-            rungs: [0; 2],
+            curve_index: [0; 2],
         };
         let mut bands = [old.crack_band, old.crush_band];
         if self.has_bands() {
-            trial.rungs = self.rungs(bands);
+            trial.curve_index = self.indices(bands);
         }
-        let tension = self.curves.tension.curve(trial.rungs[0]).at(kappa_t);
-        let compression = self.curves.compression.curve(trial.rungs[1]).at(kappa_c);
+        let tension = self.curves.tension.curve(trial.curve_index[0]).at(kappa_t);
+        let compression = self
+            .curves
+            .compression
+            .curve(trial.curve_index[1])
+            .at(kappa_c);
         // Without damage r does not affect the stress, and a bound of F suffices. The bound σ_max ≤ σ_m + (2/3) q
         // needs no principal values.
         let largest = (mean + 2.0 / 3.0 * q).max(0.0);
@@ -343,7 +347,7 @@ impl DamagePlasticity {
         if point.f > YIELD * compression.effective || !point.f.is_finite() {
             if self.seeks_bands(old) {
                 bands = self.bands(&principal.directions(), old);
-                trial.rungs = self.rungs(bands);
+                trial.curve_index = self.indices(bands);
                 // The stress is unchanged, but the curve differs from here on.
                 point = self.point(&trial, 0.0);
             }
@@ -365,7 +369,7 @@ impl DamagePlasticity {
     /// Whether the bands have individual widths.
     #[inline(always)]
     fn has_bands(&self) -> bool {
-        self.curves.tension.has_rungs() || self.curves.compression.has_rungs()
+        self.curves.tension.has_several() || self.curves.compression.has_several()
     }
 
     /// Whether the width of a band of this point, should it yield, is still open in one of the branches.
@@ -378,10 +382,10 @@ impl DamagePlasticity {
 
     /// Indices of the curves for bands of these widths [mm].
     #[inline(always)]
-    fn rungs(&self, bands: [f64; 2]) -> [usize; 2] {
+    fn indices(&self, bands: [f64; 2]) -> [usize; 2] {
         [
-            self.curves.tension.rung(bands[0]),
-            self.curves.compression.rung(bands[1]),
+            self.curves.tension.index(bands[0]),
+            self.curves.compression.index(bands[1]),
         ]
     }
 
@@ -566,7 +570,7 @@ fn invariants(stress: &Vector6<f64>, kappa_t: f64, kappa_c: f64) -> TrialStress 
         s: tensor::principal(&deviator).0,
         kappa_t,
         kappa_c,
-        rungs: [0; 2],
+        curve_index: [0; 2],
     }
 }
 

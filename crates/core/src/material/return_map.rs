@@ -31,7 +31,7 @@ pub(super) struct TrialStress {
     pub kappa_t: f64,
     pub kappa_c: f64,
     /// Indices of the curves of its bands, in tension and in compression.
-    pub rungs: [usize; 2],
+    pub curve_index: [usize; 2],
 }
 
 /// Derivatives of trial state and λ by `N` variables.
@@ -206,8 +206,12 @@ impl DamagePlasticity {
         let (strain_max, strain_min) = (strain(trial.s[0]), strain(trial.s[2]));
         let kappa_t = trial.kappa_t + r * strain_max.max(0.0);
         let kappa_c = trial.kappa_c + (1.0 - r) * (-strain_min).max(0.0);
-        let tension = self.curves.tension.curve(trial.rungs[0]).at(kappa_t);
-        let compression = self.curves.compression.curve(trial.rungs[1]).at(kappa_c);
+        let tension = self.curves.tension.curve(trial.curve_index[0]).at(kappa_t);
+        let compression = self
+            .curves
+            .compression
+            .curve(trial.curve_index[1])
+            .at(kappa_c);
         let f = self.yield_value(q, mean, stress[0], &tension, &compression);
         Point {
             lambda,

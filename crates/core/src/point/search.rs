@@ -104,7 +104,7 @@ impl<const N: usize> PointFailure<N> {
             Self::Law(why) => return format!("the law has no answer: {why}"),
             Self::NotFinite { component } => {
                 let name = layout.components[*component];
-                return format!("what {name} is told is not a finite number");
+                return format!("the prescribed value of {name} is not finite");
             }
             Self::Time { from, to } => return format!("time runs backwards, from {from} to {to}"),
             Self::Beyond(limit) => limit,

@@ -42,7 +42,7 @@ fn trials() -> Vec<TrialStress> {
                         s,
                         kappa_t: kappa,
                         kappa_c: 2.0 * kappa,
-                        rungs: [0; 2],
+                        curve_index: [0; 2],
                     });
                 }
             }

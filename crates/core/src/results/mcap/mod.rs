@@ -3,7 +3,7 @@
 //! ```text
 //! /step         wythe.Step            one message per increment: its row of history.csv
 //! /iteration    wythe.Iteration       one message per linear solve
-//! /ladder       wythe.Ladder          changes of procedure with their reasons
+//! /procedures   wythe.Procedures      changes of procedure with their reasons
 //! /log          foxglove.Log          the same, warnings and the end of the run as text
 //! /scene        foxglove.SceneUpdate  the deformed solids, coloured by damage       [m]
 //! /interfaces   foxglove.SceneUpdate  the interfaces, coloured by state             [m]
@@ -204,7 +204,7 @@ impl McapWriter {
         let text = json!({ "increment": increment, "reason": reason });
         let stamp = self.soon();
         let sent = self
-            .send("/ladder", stamp, &text.to_string())
+            .send("/procedures", stamp, &text.to_string())
             .and_then(|()| self.log(Level::Info, reason, stamp))
             .and_then(|()| if of_last { self.flush() } else { Ok(()) });
         self.keep(sent);
@@ -338,7 +338,7 @@ fn channels(model: &Model) -> io::Result<[(&'static str, Schema); 6]> {
     };
     let step = serde_json::to_value(Step::new(model, &row)).map_err(io::Error::other)?;
     let iteration = json!({ "increment": 0, "step": 0, "time": 0.0, "iterations": 0 });
-    let ladder = json!({ "increment": 0, "reason": "" });
+    let procedures = json!({ "increment": 0, "reason": "" });
     Ok([
         (
             "/step",
@@ -349,8 +349,8 @@ fn channels(model: &Model) -> io::Result<[(&'static str, Schema); 6]> {
             schemas::like("wythe.Iteration", "A linear solve", &iteration),
         ),
         (
-            "/ladder",
-            schemas::like("wythe.Ladder", "A change of the procedure", &ladder),
+            "/procedures",
+            schemas::like("wythe.Procedures", "A change of the procedure", &procedures),
         ),
         ("/log", schemas::log()),
         ("/scene", schemas::scene_update()),

@@ -156,7 +156,7 @@ fn reopen(path: &Path, new: File, model: &Model, mark: &Mark) -> io::Result<Mcap
     }
     let sum = until.sum.filter(|sum| sum.value() == mark.sum);
     let Some(sum) = sum else {
-        return Err(wrong("its check sum is another than at the checkpoint"));
+        return Err(wrong("its check sum differs from that in the checkpoint"));
     };
     let mut topics = open_topics(&mut writer, model)?;
     for (topic, of) in &mut topics {

@@ -150,7 +150,7 @@ fn positions(model: &Model, frame: &Frame) -> io::Result<Vec<[f64; 3]>> {
 }
 
 fn misfit(what: &str, wanted: usize) -> io::Error {
-    let message = format!("the frame has not the {wanted} {what} that the model wants");
+    let message = format!("the frame does not have the {wanted} {what} of the model");
     io::Error::new(io::ErrorKind::InvalidInput, message)
 }
 

@@ -35,7 +35,7 @@ fn record(path: &Path, model: &Model) -> (McapWriter, Vec<u64>) {
     for i in 1..=INCREMENTS {
         run.progress(1, i as f64, 1);
         run.progress(1, i as f64, 2);
-        run.note("a joint has gone; goes on by direct");
+        run.note("a joint has gone; continues with direct");
         let frame = fake::frame(model, 0.2 * i as f64);
         let frame = (i % 2 == 0).then_some(&frame);
         run.increment(model, &fake::row(i, 1, i as f64, 0.1 * i as f64), frame)
@@ -90,7 +90,7 @@ fn a_run_reads_back_with_uniform_times() {
         (&solves[2]["increment"], &solves[3]["iterations"]),
         (&2.into(), &2.into())
     );
-    assert_eq!(topics["/ladder"].len(), INCREMENTS);
+    assert_eq!(topics["/procedures"].len(), INCREMENTS);
     // The wall at rest, then a frame at every second increment.
     for topic in ["/scene", "/interfaces"] {
         let times: Vec<u64> = topics[topic].iter().map(|(t, _)| *t).collect();
