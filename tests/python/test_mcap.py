@@ -18,7 +18,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from conftest import HINT, ROOT, TARGET
 
 TICK = 100_000_000
-TOPICS = {"/step", "/iteration", "/ladder", "/log", "/scene", "/interfaces"}
+TOPICS = {"/step", "/iteration", "/procedures", "/log", "/scene", "/interfaces"}
 COMMAND = TARGET / "release" / "wythe"
 
 

@@ -35,7 +35,7 @@ Examples:
   wythe run wall.toml --threads 4
   wythe drive material brick --model wall.toml --path tension.csv
 
-Exit codes: 0 completed; 2 bad model or usage; 3 not converged, results kept; 4 input/output; \
+Exit codes: 0 completed or collapsed; 2 bad model or usage; 3 not converged, results kept; 4 input/output; \
 130 interrupted; 1 a bug of wythe.";
 
 const RUN_HELP: &str = "\
@@ -65,7 +65,7 @@ Examples:
 const RESUME_HELP: &str = "\
 A run writes checkpoint.bin as it goes. Whatever stopped it (Ctrl-C, a kill, the power), it goes on from \
 there, and history.csv becomes what it would have been, to the last bit. Rows and frames after the \
-checkpoint are computed again; files that are not as they were then are told, and made anew. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
+checkpoint are computed again; files that have changed since are reported and written again. The deck is DIR/model.toml; beside `title` and `output` it must be the one \
 that the run began with. Only the last step may become longer (its displacement, angle or duration; it \
 keeps its speed and its increments in mm, deg or s) or end elsewhere (its `stop`).
 
@@ -76,14 +76,15 @@ Examples:
 
 const CHECK_HELP: &str = "\
 Two layers. The form: keys, types, units, ranges, names; and where that is right the physics: tables, \
-snap-back, bodies that nothing holds, faces that do not meet. All errors of a layer are told at once, with \
+snap-back, bodies that nothing holds, faces that do not meet. All errors of a layer are reported at once, with \
 line, place and advice.
 
 Where there are none: warnings, what follows from the model (fracture energies, stiffnesses, lengths of elements, \
 the bond), its sizes, and an estimate of the memory [MB] and of the processor time [s] that a run takes.
 
-With --json one object on standard output, errors or not: file, ok, layer (\"form\" or \"physics\", where \
-ok is false), errors [file, key, line, column, message, help], warnings [key, line, column, message]; and \
+With --json one object on standard output, errors or not: file, ok, layer (\"file\", \"form\" or \"physics\", \
+where ok is false), errors [kind, file, key, line, column, message, help], warnings [key, line, column, message, \
+others]; and \
 where ok is true title, notes, sizes, memory_MB, processor_time_s.
 
 Examples:
@@ -104,7 +105,7 @@ Writes NAME.toml, a commented deck that runs as it is, and beside it deck.schema
 complete and check it (any with a TOML language server, such as taplo or Even Better TOML).
 
 --from writes a deck around a mesh of Abaqus or Gmsh that lies beside it: its materials as tables, its bodies, \
-sets and surfaces in comments, and in comments what is left to say.
+sets and surfaces in comments, and, in comments, the keys that are still missing.
 
 --test writes the decks of a standard test, one for each precompression or direction: specimen, platens, gauges, \
 loading. `wythe evaluate` gives what the test reports (docs/reference/standard-tests.md).
@@ -395,7 +396,7 @@ pub struct Specimen {
 /// `wythe calibrate`, which only the Python package has
 #[derive(Debug, Args)]
 pub struct Calibrate {
-    /// Whatever is said.
+    /// Arguments, passed on.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     pub said: Vec<String>,
 }

@@ -61,8 +61,6 @@ pub fn info(arguments: &Info) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Result of writing text to a string, which does not fail.
-
 fn folder(
     text: &mut String,
     folder: &RunFolder,

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use wythe_core::command::argument;
-use wythe_core::deck::Deck;
 use wythe_core::deck::quantity::Pressure;
+use wythe_core::error::Warning;
 use wythe_core::limit::{LimitAnalysis, LimitError, LimitSettings, MOST_PROGRAMS, Progress};
 use wythe_core::model::Model;
 use wythe_core::results::FoundLimit;
@@ -26,11 +26,20 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
     let path = &arguments.model;
     let settings = settings(arguments)?;
     let found = findings::read(path, &arguments.with);
-    let Sound { deck, model, .. } = found.map_err(|unsound| unsound.tell(path))?;
+    let Sound {
+        deck,
+        model,
+        warnings,
+    } = found.map_err(|unsound| unsound.tell(path))?;
+    // The JSON object has them.
+    if !arguments.json {
+        warn(&warnings);
+    }
     if let Some(out) = &arguments.out {
         spare_inputs(out, FILES, &deck.inputs())?;
     }
-    let limit = analysed(model, &settings)?;
+    let mut limit = analysed(model, &settings)?;
+    limit.warnings = warnings;
     if let Some(file) = &arguments.picture {
         write_picture(file, limit.picture(), &deck.inputs())?;
     }
@@ -38,20 +47,36 @@ pub fn limit(arguments: &Limit) -> Result<(), Failure> {
         Some(out) => limit.write(out)?,
         None => Vec::new(),
     };
-    let FoundLimit { model, found } = limit;
     if !arguments.json {
         let files = written.iter().map(|path| format!("{}\n", path.display()));
         let files: String = files.collect();
-        return print(&(text(&model, &found, &settings) + &files));
+        return print(&(text(&limit.model, &limit.found, &settings) + &files));
     }
-    print(&json(&found)?)
+    print(&json(&limit)?)
+}
+
+/// Prints the warnings about a deck on standard error, as those of a run.
+fn warn(warnings: &[Warning]) {
+    for warning in warnings {
+        tell!("warning: {warning}");
+    }
 }
 
 /// `wythe run` with `strategy = "limit"`: prints the factor and writes the files of a limit analysis to the folder.
-pub fn in_folder(deck: &Deck, model: Model, folder: &Path) -> Result<(), Failure> {
+/// `quiet`: warnings about the deck are in the files alone.
+pub fn in_folder(sound: Sound, folder: &Path, quiet: bool) -> Result<(), Failure> {
+    let Sound {
+        deck,
+        model,
+        warnings,
+    } = sound;
+    if !quiet {
+        warn(&warnings);
+    }
     let settings = LimitSettings::default();
     spare_inputs(folder, FILES, &deck.inputs())?;
-    let limit = analysed(model, &settings)?;
+    let mut limit = analysed(model, &settings)?;
+    limit.warnings = warnings;
     limit.write(folder)?;
     let text = text(&limit.model, &limit.found, &settings);
     print(&format!("{text}results in {}\n", argument(folder)))
@@ -91,10 +116,11 @@ fn factor_or_force(factor: f64, force: Option<f64>) -> String {
 const LONG: u64 = 3;
 
 /// The answer as JSON.
-fn json(found: &LimitAnalysis) -> Result<String, Failure> {
-    let json = serde_json::to_string_pretty(found)
-        .map_err(|error| Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}"))))?;
-    Ok(format!("{json}\n"))
+fn json(limit: &FoundLimit) -> Result<String, Failure> {
+    let failed = |error: serde_json::Error| {
+        Failure::InputOutput(miette::Report::msg(format!("no JSON: {error}")))
+    };
+    limit.table().map_err(failed)
 }
 
 fn failure(why: &LimitError) -> Failure {
@@ -214,6 +240,14 @@ fn warnings(found: &LimitAnalysis) -> String {
     if found.factor.abs() < NOTHING * found.associated_factor.abs() {
         text += "warning: without dilatancy the lowest state carries almost nothing: joints that only the live load or a \
                  held beam presses may be without pressure; the associated factor is that of joints which stay pressed\n";
+    }
+    if let Some(light) = &found.light_body {
+        text += &format!(
+            "warning: the load on {} is {:.0e} of that on the heaviest body to which it is joined, directly or over \
+             others; programs are solved to 1e-9 of that load and may miss a mechanism of the light body alone: leave \
+             it out, or analyse it by itself\n",
+            light.name, light.part
+        );
     }
     if !found.converged {
         text += &format!(

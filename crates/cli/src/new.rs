@@ -70,8 +70,15 @@ fn of_test(test: &str, name: &Path, arguments: &New) -> Result<(), Failure> {
         size: said.size.clone(),
         materials,
     };
-    let wrong =
-        |why: SpecimenError| Failure::Model(miette::miette!(help = why.help.clone(), "{why}"));
+    let wrong = |why: SpecimenError| {
+        let message = match &said.materials {
+            Some(file) if why.option == "--materials" => {
+                format!("{} {}: {}", why.option, file.display(), why.message)
+            }
+            _ => why.to_string(),
+        };
+        Failure::Model(miette::miette!(help = why.help, "{message}"))
+    };
     // clap has checked the name.
     let decks = specimens::find(test).map_or(Ok(Vec::new()), |test| test.decks(&options));
     let decks = decks.map_err(wrong)?;

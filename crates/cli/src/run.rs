@@ -31,7 +31,6 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         mut model,
         warnings,
     } = read.map_err(|unsound| unsound.tell(&arguments.model))?;
-    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     take_threads(arguments.threads)?;
     let out = arguments
         .out
@@ -44,8 +43,14 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
                 "--error needs increments and a mesh, and limit analysis has none"
             )));
         }
-        return limit::in_folder(&deck, model, &out);
+        let sound = Sound {
+            deck,
+            model,
+            warnings,
+        };
+        return limit::in_folder(sound, &out, arguments.quiet);
     }
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     let terminal = Terminal::new(&model, arguments.progress, arguments.quiet);
     terminal.begin(&model, &warnings, &out);
     let interrupt = Interrupt::listen();

@@ -1,6 +1,7 @@
 //! Errors and warnings of models, with the place, the reason and the remedy.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode, SourceSpan};
+use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt;
 use std::ops::Range;
@@ -384,7 +385,7 @@ pub enum DeckError {
 }
 
 /// A valid property of a model of which its author should know.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Warning {
     /// Dotted path of the key concerned.
     pub key: String,

@@ -60,21 +60,57 @@ struct Wanted {
     words: [&'static str; 2],
     /// Column name of wythe's own history, which takes precedence.
     own: &'static str,
-    units: [(&'static str, f64); 3],
+    units: &'static [(&'static str, f64)],
+    /// Units of other scales and quantities, in lower case and with blanks between them. Words that name places or
+    /// directions as well, such as `n` or `foot`, are left out.
+    others: &'static str,
+}
+
+impl Wanted {
+    /// Factor of a unit, in any case if none has this one.
+    fn factor(&self, word: &str) -> Option<f64> {
+        // The Greek letter stands for the sign of the same look.
+        let word = word.replace('μ', "µ");
+        let exact = self.units.iter().find(|(unit, _)| *unit == word);
+        let lower = word.to_lowercase();
+        let any_case = || {
+            self.units
+                .iter()
+                .find(|(unit, _)| unit.to_lowercase() == lower)
+        };
+        exact.or_else(any_case).map(|(_, factor)| *factor)
+    }
+
+    /// Whether a word is a unit, of these or others.
+    fn is_unit(&self, word: &str) -> bool {
+        let lower = word.to_lowercase();
+        self.factor(word).is_some() || self.others.split(' ').any(|other| other == lower)
+    }
 }
 
 const DISPLACEMENT: Wanted = Wanted {
     what: "displacement",
     words: ["displacement", "deflection"],
     own: "displacement_mm",
-    units: [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)],
+    units: &[
+        ("mm", 1.0),
+        ("cm", 10.0),
+        ("m", 1000.0),
+        ("um", 1e-3),
+        ("µm", 1e-3),
+    ],
+    others: "nm micron microns dm km millimetre millimetres millimeter millimeters metre metres meter meters \
+             in inch inches ft feet yd mil mils thou rad mrad deg % kn",
 };
 
 const FORCE: Wanted = Wanted {
     what: "force",
     words: ["force", "load"],
     own: "force_kn",
-    units: [("kN", 1.0), ("N", 1e-3), ("MN", 1e3)],
+    // Without regard to case `mn` is MN, the first of both.
+    units: &[("kN", 1.0), ("N", 1e-3), ("MN", 1e3), ("mN", 1e-6)],
+    others: "dan gn newton newtons kilonewton kilonewtons dyn kp kgf kg t tf ton tons tonf tonne tonnes \
+             kip kips klb klbf lb lbs lbf pounds ozf kpa mpa gpa psi ksi nm knm knmm mm cm %",
 };
 
 const HEADER: &str =
@@ -85,8 +121,8 @@ impl Experiment {
     ///
     /// The header names the columns. The name of the displacement column contains `displacement` or `deflection`,
     /// that of the force column `force` or `load`. A history of wythe has both. The ending of a name gives the unit
-    /// (`_kN`, `[kN]`): mm, cm, m and kN, N, MN. Without an ending the units are mm and kN. A monotonic curve may
-    /// also be given from its end to its start.
+    /// (`_kN`, `[kN]`): mm, cm, m, um and kN, N, MN, mN. Another unit is an error. Without an ending the units are mm
+    /// and kN. A monotonic curve may also be given from its end to its start.
     ///
     /// # Errors
     /// [`ExperimentError`], with file and line.
@@ -238,32 +274,32 @@ fn column(names: &csv::StringRecord, wanted: &Wanted) -> Result<(usize, f64), (S
     }
 }
 
-/// Unit at the end of a name: `force_kN`, `force [kN]`, `force (kN)`.
+/// Unit at the end of a name: `force_kN`, `force [kN]`, `force (kN)`, `force/kN`.
 fn unit(name: &str, wanted: &Wanted) -> Result<f64, (String, String)> {
-    let bracketed = name.ends_with([']', ')']);
-    let word = |c: char| c == '_' || c.is_whitespace() || "[]()".contains(c);
-    let last = name.split(word).rfind(|part| !part.is_empty());
-    let last = last.unwrap_or_default();
-    let known = |exact: bool| {
-        wanted.units.iter().find(|(unit, _)| {
-            if exact {
-                *unit == last
-            } else {
-                unit.eq_ignore_ascii_case(last)
-            }
-        })
+    let is_bracketed = name.ends_with([']', ')']);
+    let is_gap = |c: char| c == '_' || c.is_whitespace() || "[](),;:".contains(c);
+    let last = name.split(is_gap).rfind(|part| !part.is_empty());
+    let last = last.unwrap_or_default().trim_end_matches('.');
+    // `force/kN` is a force in kN, and `mm/m` is a unit.
+    let last = match last.split_once('/') {
+        Some((before, after)) if !is_bracketed && !wanted.is_unit(before) => after,
+        _ => last,
     };
-    match known(true).or_else(|| known(false)) {
-        Some((_, factor)) => Ok(*factor),
-        None if bracketed => {
-            let units = wanted.units.map(|(unit, _)| unit).join(", ");
-            Err((
-                format!("the unit of `{name}` is not known"),
-                format!("convert the column to one of {units}"),
-            ))
-        }
-        None => Ok(1.0),
+    if let Some(factor) = wanted.factor(last) {
+        return Ok(factor);
     }
+    if !is_bracketed && !last.split('/').any(|word| wanted.is_unit(word)) {
+        return Ok(1.0);
+    }
+    let known = wanted.units.iter().map(|(unit, _)| *unit);
+    let known = known.collect::<Vec<_>>().join(", ");
+    Err((
+        format!("the unit of `{name}` is not known: `{last}` is none of {known}"),
+        format!(
+            "convert the column to one of {known}; if `{last}` is no unit, let the name end with one, as {} does",
+            wanted.own.replace("kn", "kN")
+        ),
+    ))
 }
 
 #[cfg(test)]
@@ -280,8 +316,49 @@ mod tests {
             "time,displacement_mm,load_factor,force_kN\n0,0,0,0\n1,0.5,1,12\n",
             "displacement\tload\n0\t0\n# a pause\n0.5\t12\n",
             "displacement_mm,force_kN\n0.5,12\n0,0\n",
+            "displacement_um,force_mN\n0,0\n500,12e6\n",
+            "Displacement [µm];Load/N\n0;0\n500;12000\n",
+            "displacement_MM,force_mn\n0,0\n0.5,0.012\n",
         ] {
             assert_eq!(points(text), rows, "{text}");
+        }
+    }
+
+    /// Words at the end of a name that are no units are read as before, in mm and kN.
+    #[test]
+    fn names_without_a_unit_are_in_mm_and_kilonewtons() {
+        for (displacement, force) in [
+            ("top_displacement", "force_total"),
+            ("displacement_north", "load_cell_1"),
+            ("displacement_N", "applied load"),
+            ("deflection.1", "load-max"),
+        ] {
+            let text = format!("{displacement},{force}\n0,0\n0.5,12\n");
+            assert_eq!(parse(&text).unwrap(), [(0.0, 0.0), (0.5, 12.0)], "{text}");
+        }
+    }
+
+    #[test]
+    fn other_units_are_rejected() {
+        for (header, unit) in [
+            ("displacement_nm,force_kN", "nm"),
+            ("displacement_in,force_kN", "in"),
+            ("displacement in.,force_kN", "in"),
+            ("displacement_mm/m,force_kN", "mm/m"),
+            ("displacement [mm/m],force_kN", "mm/m"),
+            ("displacement_mm,force_kip", "kip"),
+            ("displacement_mm,force_kgf", "kgf"),
+            ("displacement_mm,load_lbf", "lbf"),
+            ("displacement_mm,Force_Tons", "Tons"),
+            ("displacement_mm,load/kg", "kg"),
+            ("displacement_mm,load_t", "t"),
+            ("displacement_mm,force_kN/m", "kN/m"),
+            ("displacement_mm,force_mm", "mm"),
+        ] {
+            let (line, why, help) = parse(&format!("{header}\n0,0\n1,2\n")).unwrap_err();
+            assert_eq!(line, Some(1), "{header}");
+            assert!(why.contains(&format!("`{unit}` is none of")), "{why}");
+            assert!(help.contains("convert the column to one of"), "{help}");
         }
     }
 

@@ -310,7 +310,7 @@ fn crack_bands_of_a_deck_are_checked() {
     );
     let error = Deck::from_str(&bare, "bare.toml").unwrap_err().to_string();
     assert!(error.contains("materials.mortar.crack_band"), "{error}");
-    assert!(error.contains("reference_length is missing"), "{error}");
+    assert!(error.contains("needs `reference_length`"), "{error}");
 }
 
 /// A run warns where bands that count as narrower than they are dissipated too much, and of how much.

@@ -220,7 +220,7 @@ fn misuse_is_an_error_with_key_line_and_fix() {
             ),
             "reference_length",
             2,
-            "reference_length is missing",
+            "needs `reference_length`",
             "reference_length = \"50 mm\"",
         ),
         (

@@ -236,7 +236,7 @@ pub struct Evaluate {
 pub struct Info {
     /// A folder of results, a results.vtkhdf, or a model.
     pub path: PathBuf,
-    /// Limits of drift at which force and displacement are told, as in "0.3 %, 0.6 %" or 0.003,0.006.
+    /// Drifts at which force and displacement are printed, as in "0.3 %, 0.6 %" or 0.003,0.006.
     #[arg(long, value_name = "DRIFTS", value_parser = drifts)]
     pub drifts: Option<Drifts>,
     /// Clear height for these drifts [mm] [default: that of the model].

@@ -83,7 +83,7 @@ pub fn check(deck: &Deck, model: &Model) -> CheckReport {
     notes.extend(fidelity_note(model.fidelity, &planes, &least));
     if in_double - memory_mb > WORTH_TELLING_MB {
         notes.push(format!(
-            "memory: about {in_double:.0} MB where a matrix wants factors of double precision, as under the weight of what is high and thin"
+            "memory: about {in_double:.0} MB if factors in double precision are needed, as for tall slender walls under their weight"
         ));
     }
     CheckReport {

@@ -1,7 +1,10 @@
 //! Checks of the physics of a model before it is run.
 
 use super::coarse_mesh::coarse_mesh;
+use super::contradictions::partly_held;
 use super::far_points::far_points;
+use super::held_loads::held_loads;
+use super::loading::beam_of;
 use super::magnitudes::magnitudes;
 use super::masonry::{Corner, Masonry, Unit, least_lap};
 use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
@@ -122,6 +125,10 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(records_outside(deck, model));
     warnings.extend(far_points(deck, model));
     warnings.extend(velocities_unused(deck, model));
+    warnings.extend(held_loads(deck, model));
+    let top = deck.clamped().is_some();
+    let of_step = |i: usize| beam_of(deck.steps.get(i)?, &model.beams, top);
+    warnings.extend(partly_held(deck, model, of_step));
     let cautions = deck.cautions.iter();
     warnings.extend(cautions.map(|(path, message)| deck.warning(path, message.clone())));
     (warnings, errors)
@@ -189,7 +196,7 @@ fn peaks_not_seen(deck: &Deck) -> Vec<Warning> {
     let steps = deck.steps.iter().enumerate();
     let silent = steps.filter(|(_, step)| says(step));
     let told = |(i, _)| {
-        let message = "not used: a peak is seen where a displacement drives or steers, without inertia and along no path";
+        let message = "not used: peak control needs a driven or controlling displacement, and a procedure without inertia or path following";
         deck.warning(&format!("steps.{i}.increments.peak"), message)
     };
     silent.map(told).collect()
@@ -318,7 +325,7 @@ fn bond_of(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
                 "head joints of neighbouring courses are only {lap:.2} mm apart: hardly a bond"
             ),
         ));
-    } else if wall.courses > 1 && masonry.interlock.lap < least && wall.bond != Bond::Stack {
+    } else if wall.courses > 1 && !masonry.interlock.overlaps(wall) && wall.bond != Bond::Stack {
         let lap = masonry.interlock.lap;
         warnings.push(deck.warning(
             &key,

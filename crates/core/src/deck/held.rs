@@ -166,7 +166,7 @@ pub(super) fn require_held_each_way(
                     bodies.called(body),
                     step.name()
                 ),
-                "hold it by [[supports]] on a face that the step does not move, or by [[springs]]; what shall fly has \
+                "hold it by [[supports]] on a face that the step does not move, or by [[springs]]; give bodies that may fly \
                  procedure = \"dynamic\"",
             ).of_kind(ErrorKind::Unheld));
         }
@@ -185,12 +185,12 @@ fn falls(deck: &Deck, step: &DeckStep, path: &str, who: &str) -> Result<Warning,
         DeckProcedure::Dynamic,
     ];
     if inertia.contains(&step.procedure) {
-        let message = format!("{who} and lies on nothing: it falls, as only inertia lets it");
+        let message = format!("{who} and lies on nothing: it falls under inertia");
         return Ok(deck.warning(path, message));
     }
     Err(deck.error(
         path,
-        format!("{who} and lies on nothing: this step knows no equilibrium of it"),
+        format!("{who} and lies on nothing, so this step has no equilibrium"),
         "let it lie on something, hold it by [[supports]], or give it inertia: procedure = \"dynamic\"",
     ).of_kind(ErrorKind::Unheld))
 }

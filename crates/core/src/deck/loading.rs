@@ -105,7 +105,7 @@ pub(super) fn loading(
 }
 
 /// Index of the beam that a step moves, if any. `top`: whether the first one is the top of a clamped wall.
-fn beam_of(step: &DeckStep, beams: &[Beam], top: bool) -> Option<usize> {
+pub(super) fn beam_of(step: &DeckStep, beams: &[Beam], top: bool) -> Option<usize> {
     if let Some(faces) = &step.face {
         let name = beam_name(faces);
         return beams.iter().position(|beam| beam.name == name);

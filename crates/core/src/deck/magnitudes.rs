@@ -76,7 +76,7 @@ fn stiffness(deck: &Deck, path: &str, value: f64) -> Option<Warning> {
     Some(deck.warning(
         path,
         format!(
-            "{} MPa is the stiffness of no rubber (1 MPa), timber, masonry or steel (210000 MPa){meant}",
+            "{} MPa is outside the range from rubber (1 MPa) to steel (210000 MPa){meant}",
             brief(value)
         ),
     ))

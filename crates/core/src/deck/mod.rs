@@ -16,6 +16,7 @@ mod floors;
 mod general;
 mod gravity;
 mod held;
+mod held_loads;
 pub mod import;
 mod imported;
 mod joint;

@@ -129,7 +129,7 @@ pub(super) fn overlaps(deck: &Deck, bodies: &Bodies<'_>) -> Result<Vec<Warning>,
         let Some((depth, edge, at)) = deepest(mesh, &elements[a], &elements[b]) else {
             continue;
         };
-        if depth <= OVERLAPS * edge {
+        if depth <= TOUCHING.max(OVERLAPS * edge) {
             continue;
         }
         // Errors and warnings are counted separately, so that earlier shallow overlaps do not hide a deep one.

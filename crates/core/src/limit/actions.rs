@@ -67,8 +67,8 @@ pub struct Actions {
     pub dead: Vec<Wrench>,
     /// For a factor of 1.
     pub live: Vec<Wrench>,
-    /// Reactions of springs that no step drives: wrenches on bodies for a force of 1.
-    pub springs: Vec<Vec<(usize, Wrench)>>,
+    /// Reactions of springs that no step drives: index of the spring, and wrenches on bodies for a force of 1.
+    pub springs: Vec<(usize, Vec<(usize, Wrench)>)>,
 }
 
 impl Actions {
@@ -173,8 +173,8 @@ impl Actions {
             for axis in (0..3).filter(|axis| spring.stiffness[*axis] > 0.0 && by[*axis] == 0.0) {
                 let mut along = Vector3::zeros();
                 along[axis] = 1.0;
-                self.springs
-                    .push(bodies.shared(model, &spring.nodes, along));
+                let reaction = bodies.shared(model, &spring.nodes, along);
+                self.springs.push((s, reaction));
             }
         }
     }

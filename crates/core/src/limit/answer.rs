@@ -10,6 +10,7 @@ use super::program::Solution;
 use super::scene::RigidScene;
 
 /// Result of a limit analysis.
+// More than 15 fields: they are the keys of `limit.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct LimitAnalysis {
     /// Largest factor of the live loads.
@@ -45,6 +46,17 @@ pub struct LimitAnalysis {
     pub joints: Vec<JointForce>,
     /// Forces of the ties.
     pub ties: Vec<TieForce>,
+    /// Lightest body if it is so light that a mechanism of it alone may be missed, else `None`.
+    pub light_body: Option<LightBody>,
+}
+
+/// A body with a small part of the dead loads on others that it acts on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightBody {
+    /// Its name.
+    pub name: String,
+    /// Its dead load over the largest one of a body of its group [-].
+    pub part: f64,
 }
 
 /// Motion of a unit in the mechanism. The fastest point of all moves by 1.
@@ -100,6 +112,14 @@ impl RigidScene<'_> {
         let bodies = self.bodies.all.iter();
         let moving = bodies.filter(|body| !body.motions.is_empty()).count();
         [moving, self.joints.len(), self.corners.len()]
+    }
+
+    /// Lightest body, if it is too light beside others.
+    pub(super) fn light_body(&self) -> Option<LightBody> {
+        self.scales.light.map(|(body, part)| LightBody {
+            name: self.model.mesh.called(self.bodies.all[body].unit),
+            part,
+        })
     }
 
     /// Motions of all units, with the fastest node at a speed of 1.

@@ -1,6 +1,6 @@
 //! Rigid bodies of a model and the motions that supports and beams leave to them.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use std::collections::BTreeMap;
 
 use super::LimitError;
@@ -88,6 +88,9 @@ impl RigidBody {
     }
 }
 
+/// Forces and moments, over the size of the scene, below which reactions hold no motion.
+const HELD: f64 = 1e-9;
+
 /// All bodies of a model.
 #[derive(Clone, Debug)]
 pub struct Bodies {
@@ -140,6 +143,7 @@ impl Bodies {
         bodies.weigh(model);
         bodies.release(model, step);
         bodies.hold(model);
+        bodies.hold_by_reactions();
         Ok(bodies)
     }
 
@@ -248,6 +252,29 @@ impl Bodies {
                 }
             }
         }
+    }
+
+    /// Holds bodies whose reactions leave none of their motions, such as those of a face that is fixed along x by one
+    /// support and along y and z by another one. Reactions on held bodies go.
+    fn hold_by_reactions(&mut self) {
+        let mut of_body: BTreeMap<usize, Vec<Wrench>> = BTreeMap::new();
+        for (body, wrench) in self.reactions.iter().flatten() {
+            of_body.entry(*body).or_default().push(*wrench);
+        }
+        for (body, wrenches) in of_body {
+            let motions = &mut self.all[body].motions;
+            if motions.is_empty() || wrenches.len() < motions.len() {
+                continue;
+            }
+            let power = |m: usize, r: usize| motions[m].power(&wrenches[r]);
+            let powers = DMatrix::from_fn(motions.len(), wrenches.len(), power);
+            if powers.rank(HELD) == motions.len() {
+                motions.clear();
+            }
+        }
+        let all = &self.all;
+        let moves = |(body, _): &(usize, Wrench)| !all[*body].motions.is_empty();
+        self.reactions.retain(|reaction| reaction.iter().any(moves));
     }
 
     /// Whether a body of a joint can move.

@@ -88,9 +88,9 @@ impl Matrix {
 }
 
 impl Program<'_> {
-    /// Matrix, right side and cones. Unknowns: λ, forces at the corners, of rods, reactions. Forces are multiples of
-    /// `scale`.
-    pub(super) fn matrix(&self, scale: f64) -> Matrix {
+    /// Matrix, right side and cones. Unknowns: λ, forces at the corners, of rods, reactions. Forces and equations of a
+    /// group of bodies are multiples of its size.
+    pub(super) fn matrix(&self) -> Matrix {
         let first = self.unknowns.first_rows();
         let equations = first[self.bodies.all.len()];
         let mut bounds = Bounds {
@@ -98,10 +98,10 @@ impl Program<'_> {
             cones: vec![ZeroConeT(equations)],
             ..Bounds::default()
         };
-        self.add_equilibrium(scale, &first, &mut bounds);
-        self.add_rods(scale, &mut bounds);
-        self.add_friction(scale, &mut bounds);
-        self.add_crushing(scale, &mut bounds);
+        self.add_equilibrium(&first, &mut bounds);
+        self.add_rods(&mut bounds);
+        self.add_friction(&mut bounds);
+        self.add_crushing(&mut bounds);
         let Bounds {
             entries,
             right,
@@ -124,7 +124,7 @@ impl Program<'_> {
 
     /// Eq. 1. Equations of a body that stands for its image, too, are those of both, so that their multipliers are its
     /// velocities.
-    fn add_equilibrium(&self, scale: f64, first: &[usize], bounds: &mut Bounds) {
+    fn add_equilibrium(&self, first: &[usize], bounds: &mut Bounds) {
         let Bounds { entries, right, .. } = bounds;
         let unknowns = self.unknowns;
         let mut act = |body: usize, column: usize, part: f64, wrench: &Wrench| {
@@ -133,9 +133,8 @@ impl Program<'_> {
                 entries.add(first[body] + m, column, part * motion.power(wrench));
             }
         };
-        let live = self.live_scale(scale) / scale;
         for (b, wrench) in self.loads[1].iter().enumerate() {
-            act(b, 0, live, wrench);
+            act(b, 0, self.scales.live / self.scales.of_body(b), wrench);
         }
         for (column, orbit) in unknowns.orbits() {
             let directions =
@@ -167,7 +166,7 @@ impl Program<'_> {
             }
         }
         for (b, motions) in unknowns.motions.iter().enumerate() {
-            let part = unknowns.stands_for(b) / scale;
+            let part = unknowns.stands_for(b) / self.scales.of_body(b);
             for (m, motion) in motions.iter().enumerate() {
                 right[first[b] + m] = -part * motion.power(&self.loads[0][b]);
             }
@@ -175,10 +174,11 @@ impl Program<'_> {
     }
 
     /// Adds the bounds of the rods.
-    fn add_rods(&self, scale: f64, bounds: &mut Bounds) {
+    fn add_rods(&self, bounds: &mut Bounds) {
         let before = bounds.right.len();
         for (column, (r, _)) in (self.unknowns.first_rod()..).zip(&self.unknowns.rods) {
             let rod = &self.rods[*r];
+            let scale = self.scales.between(rod.bodies());
             if rod.most.is_finite() {
                 bounds.below(&[(column, 1.0)], rod.most / scale);
             }
@@ -190,7 +190,8 @@ impl Program<'_> {
     }
 
     /// Eq. 2. In a plane it is linear; where there is no shear force, a bound of the normal force.
-    fn add_friction(&self, scale: f64, bounds: &mut Bounds) {
+    fn add_friction(&self, bounds: &mut Bounds) {
+        let scale = |corner: &Corner| self.scales.between(self.joints[corner.joint].bodies);
         let corners = self.unknowns.orbits();
         let corners = corners.map(|(column, orbit)| (column, orbit, &self.corners[orbit.corner]));
         // The bound of the shear forces gives μ n + c ≥ 0.
@@ -198,7 +199,10 @@ impl Program<'_> {
             corner.friction > 0.0 && corner.friction * corner.tension >= corner.cohesion
         };
         for (column, _, corner) in corners.clone().filter(|(_, orbit, _)| orbit.width == 3) {
-            bounds.below(&[(column, -corner.friction)], corner.cohesion / scale);
+            bounds.below(
+                &[(column, -corner.friction)],
+                corner.cohesion / scale(corner),
+            );
             bounds.below(&[(column + 1, -1.0)], 0.0);
             bounds.below(&[(column + 2, -1.0)], 0.0);
             bounds.cones.push(SecondOrderConeT(3));
@@ -215,10 +219,10 @@ impl Program<'_> {
                 if orbit.width == 2 {
                     terms.push((column + 1, *side));
                 }
-                bounds.below(&terms, corner.cohesion / scale);
+                bounds.below(&terms, corner.cohesion / scale(corner));
             }
             if !follows(corner) {
-                bounds.below(&[(column, -1.0)], corner.tension / scale);
+                bounds.below(&[(column, -1.0)], corner.tension / scale(corner));
             }
         }
         bounds.close(before);
@@ -226,7 +230,7 @@ impl Program<'_> {
 
     /// Eq. 3 at each joint, of two images at one. In a plane that for edges across it follows from those of the other
     /// two.
-    fn add_crushing(&self, scale: f64, bounds: &mut Bounds) {
+    fn add_crushing(&self, bounds: &mut Bounds) {
         let Some(strength) = self.strength else {
             return;
         };
@@ -244,6 +248,7 @@ impl Program<'_> {
             };
             let axis = self.unknowns.mirror.as_ref().map(|mirror| mirror.axis);
             let axis = axis.filter(|_| *width == 2);
+            let scale = self.scales.between(joint.bodies);
             let tension = joint.strength.tension * joint.area / scale;
             let most = strength * joint.area / scale + tension;
             for edge in joint.edges() {

@@ -158,11 +158,11 @@ impl Mirror {
     /// Whether dead and live loads are symmetric.
     pub fn keeps_loads(&self, bodies: &Bodies, actions: &Actions) -> bool {
         [&actions.dead, &actions.live].into_iter().all(|wrenches| {
-            let force = wrenches.iter().map(|w| w.force.norm()).sum::<f64>();
-            let moment = wrenches.iter().map(|w| w.moment.norm()).sum::<f64>();
-            let size = SAME * (force + moment / bodies.size);
             let all = wrenches.iter().enumerate();
             let mut moving = all.filter(|(b, _)| !bodies.all[*b].motions.is_empty());
+            let force = moving.clone().map(|(_, w)| w.force.norm()).sum::<f64>();
+            let moment = moving.clone().map(|(_, w)| w.moment.norm()).sum::<f64>();
+            let size = SAME * (force + moment / bodies.size);
             moving.all(|(b, wrench)| {
                 let image = self.images[b];
                 let [force, moment] = self.about_foot(bodies, image, &wrenches[image]);

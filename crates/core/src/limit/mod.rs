@@ -13,12 +13,13 @@ mod matrix;
 mod mirror;
 mod program;
 mod rods;
+mod scales;
 mod scene;
 mod search;
 mod unknowns;
 
 pub use actions::Live;
-pub use answer::{JointForce, LimitAnalysis, MovedUnit, TieForce};
+pub use answer::{JointForce, LightBody, LimitAnalysis, MovedUnit, TieForce};
 pub use joints::{Strength, convex_outline};
 
 use crate::model::Model;
@@ -71,6 +72,9 @@ pub enum LimitError {
     /// Every factor is carried.
     #[error("rigid units carry any factor: no mechanism lets the live loads do work")]
     Unbounded,
+    /// Every factor is carried by springs and ties, whose names these are.
+    #[error("rigid units carry any factor: the live loads are held without limit by {0}")]
+    Held(String),
     /// The solver of the program failed.
     #[error("the cone program was not solved: {0}")]
     Solver(String),
@@ -94,6 +98,10 @@ impl LimitError {
             Self::Unbounded => {
                 "strut action between supports that do not yield: give a compressive strength (--strength), or \
                  let the top move vertically"
+            }
+            Self::Held(_) => {
+                "springs have no strength: leave out those that may yield, or drive them in the live step; f_y gives \
+                 one to a tie"
             }
             Self::Solver(_) => "look for joints that almost do not touch, or report the deck",
         }
@@ -145,7 +153,8 @@ pub fn analyse_told(
         return Err(LimitError::NothingLive);
     };
     let scene = RigidScene::of(model, (step, live), settings)?;
-    let first = scene.solve(settings, &[])?;
+    let first = scene.solve(settings, &[]);
+    let first = first.map_err(|why| scene.reason(why, (step, live), settings))?;
     scene.stands(settings, &first)?;
     let associated_factor = first.factor;
     let search = if settings.associated {
@@ -175,5 +184,6 @@ pub fn analyse_told(
         mechanism: scene.mechanism(best),
         joints: scene.joint_forces(best),
         ties: scene.tie_forces(best),
+        light_body: scene.light_body(),
     })
 }

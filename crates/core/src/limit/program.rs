@@ -11,11 +11,12 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 use nalgebra::Vector3;
 
 use super::LimitError;
-use super::bodies::{Bodies, Motion, RigidBody, Wrench};
+use super::bodies::{Bodies, RigidBody, Wrench};
 use super::interior::{self, Answer, End};
 use super::joints::Joint;
 use super::matrix::Matrix;
 use super::rods::Rod;
+use super::scales::ForceScales;
 use super::unknowns::Unknowns;
 
 /// A corner of a joint, at which a force acts (Coulomb's law of the joint, its bond shared by the corners).
@@ -66,6 +67,8 @@ pub struct Program<'a> {
     pub rods: &'a [Rod],
     /// Motions and forces that are unknown.
     pub unknowns: &'a Unknowns,
+    /// Sizes of the forces.
+    pub scales: &'a ForceScales,
     /// Velocities by which the corners may slip without opening, for a live power of 1 in the units of the program;
     /// empty for associated friction. `[orbit of corners]`
     pub slips: &'a [f64],
@@ -82,7 +85,8 @@ pub struct Solution {
     pub forces: Vec<[f64; 3]>,
     /// Force of each rod, tension positive [N]. `[rod]`
     pub rods: Vec<f64>,
-    /// Velocity and spin of each body in the mechanism, for a live power of 1. `[body]`
+    /// Velocity and spin of each body in the mechanism, for a live power of 1. Bodies of groups that take no part in it
+    /// are at rest. `[body]`
     pub mechanism: Vec<[Vector3<f64>; 2]>,
     /// Velocity by which each corner slips, in the units of [`Program::slips`]. `[orbit of corners]`
     pub slips: Vec<f64>,
@@ -105,6 +109,8 @@ fn without_noise(factor: f64) -> f64 {
     if factor.abs() < NOISE { 0.0 } else { factor }
 }
 
+/// Part of the work of the loads on the mechanism below which a group of bodies is at rest.
+const IDLE: f64 = 1e-6;
 /// Relative gap and residual of a solution.
 const TOLERANCE: f64 = 1e-9;
 /// The same where the solver does not reach it.
@@ -150,8 +156,7 @@ impl Program<'_> {
     /// # Errors
     /// [`LimitError`]: no state carries the dead loads, no factor is too large, the solver fails.
     pub fn solve(&self) -> Result<Solution, LimitError> {
-        let scale = self.force_scale();
-        let program = self.matrix(scale);
+        let program = self.matrix();
         let cost = self.cost(&program);
         let (nodes, places) = self.nodes();
         let own = interior::solve(&program, &cost, (&nodes, &places), TOLERANCE);
@@ -161,10 +166,10 @@ impl Program<'_> {
             None => by_clarabel(&program, &cost, TOLERANCE)
                 .or_else(|_| by_clarabel(&program, &cost, COARSE))?,
         };
-        let live = self.live_scale(scale);
+        let live = self.scales.live;
         match answer.end {
             End::Infeasible => {
-                let mechanism = self.mechanism(&answer.y, 1.0);
+                let mechanism = self.mechanism(&answer.y);
                 return Err(LimitError::Falls(self.fastest(&mechanism)));
             }
             End::Unbounded => return Err(LimitError::Unbounded),
@@ -192,9 +197,9 @@ impl Program<'_> {
             opening_work,
             factor: without_noise(factor) * live,
             gap: gap.max(miss),
-            forces: self.forces(&answer.x, scale),
-            rods: self.rod_forces(&answer.x, scale),
-            mechanism: self.mechanism(&answer.y, 1.0 / live),
+            forces: self.forces(&answer.x),
+            rods: self.rod_forces(&answer.x),
+            mechanism: self.mechanism(&answer.y),
         })
     }
 
@@ -258,11 +263,12 @@ impl Program<'_> {
     }
 
     /// Forces at all corners from the unknowns.
-    fn forces(&self, x: &[f64], scale: f64) -> Vec<[f64; 3]> {
+    fn forces(&self, x: &[f64]) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; self.corners.len()];
         for (column, orbit) in self.unknowns.orbits() {
             let joint = &self.joints[self.corners[orbit.corner].joint];
             let directions = self.unknowns.directions(orbit, joint);
+            let scale = self.scales.between(joint.bodies);
             let own = &x[column..][..orbit.width];
             let parts = directions.iter().zip(own);
             let force: Vector3<f64> = parts.map(|(along, part)| along * (scale * part)).sum();
@@ -276,7 +282,7 @@ impl Program<'_> {
     }
 
     /// Forces of all rods from the unknowns.
-    fn rod_forces(&self, x: &[f64], scale: f64) -> Vec<f64> {
+    fn rod_forces(&self, x: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; self.rods.len()];
         for ((r, image), force) in self
             .unknowns
@@ -284,6 +290,7 @@ impl Program<'_> {
             .iter()
             .zip(&x[self.unknowns.first_rod()..])
         {
+            let scale = self.scales.between(self.rods[*r].bodies());
             for rod in [Some(*r), *image].into_iter().flatten() {
                 forces[rod] = scale * force;
             }
@@ -291,47 +298,36 @@ impl Program<'_> {
         forces
     }
 
-    /// Size of the forces: the sum of the dead loads, or the largest force that a bond or a joint without crushing
-    /// carries; else 1 N.
-    fn force_scale(&self) -> f64 {
-        let sizes = self.loads[0].iter().map(|wrench| wrench.force.norm());
-        let sum = sizes.sum::<f64>();
-        let strengths = self.joints.iter().map(|joint| {
-            let bond = joint.strength.cohesion.max(joint.strength.tension);
-            bond.max(self.strength.unwrap_or(0.0)) * joint.area
+    /// Whether each group takes part in a mechanism: the loads do work on its bodies. Groups that do not have velocities of
+    /// the size of the tolerance over that of their forces, which is large for a light group. `[group]`
+    fn moving(&self, multipliers: &[f64], first: &[usize]) -> Vec<bool> {
+        let [dead, live] = self.loads.map(|loads| {
+            self.scales.sums(|b| {
+                let part = self.unknowns.stands_for(b) / self.scales.of_body(b);
+                let motions = self.unknowns.motions[b].iter();
+                let own = motions.zip(&multipliers[first[b]..]);
+                own.map(|(motion, rate)| part * rate * motion.power(&loads[b]))
+                    .sum()
+            })
         });
-        let rods = self.rods.iter().map(|rod| rod.most);
-        let strengths = strengths.chain(rods.filter(|most| most.is_finite()));
-        let most = strengths.fold(sum, f64::max);
-        // Strengths that no force reaches set no scale.
-        let scale = if sum > 0.0 {
-            most.min(100.0 * sum)
-        } else {
-            most
-        };
-        if scale > 0.0 { scale } else { 1.0 }
-    }
-
-    /// Factor of the live loads for the unknown λ of 1: that which makes them as large as the dead ones.
-    pub(super) fn live_scale(&self, scale: f64) -> f64 {
-        let powers = self.unknowns.motions.iter().zip(self.loads[1]).enumerate();
-        let powers = powers.flat_map(|(b, (motions, wrench))| {
-            let part = self.unknowns.stands_for(b);
-            let power = move |motion: &Motion| part * motion.power(wrench).abs();
-            motions.iter().map(power)
-        });
-        let sum = powers.sum::<f64>();
-        if sum > 0.0 { scale / sum } else { 1.0 }
+        let both = dead.iter().zip(live);
+        let both = both.map(|(dead, live)| dead.abs() + self.scales.live * live.abs());
+        let works: Vec<f64> = both.collect();
+        let most = works.iter().copied().fold(0.0, f64::max);
+        works.iter().map(|work| *work >= IDLE * most).collect()
     }
 
     /// Velocities and spins from the multipliers of the equations.
-    fn mechanism(&self, multipliers: &[f64], scale: f64) -> Vec<[Vector3<f64>; 2]> {
+    fn mechanism(&self, multipliers: &[f64]) -> Vec<[Vector3<f64>; 2]> {
         let first = self.unknowns.first_rows();
+        let moving = self.moving(multipliers, &first);
+        let moves = |b: usize| self.scales.group(b).is_some_and(|group| moving[group]);
         let bodies = self.unknowns.motions.iter().enumerate();
         let moved = bodies.map(|(b, motions)| {
             let mut moved = [Vector3::<f64>::zeros(); 2];
-            for (m, motion) in motions.iter().enumerate() {
-                let rate = scale * multipliers[first[b] + m];
+            let motions = motions.iter().enumerate();
+            for (m, motion) in motions.filter(|_| moves(b)) {
+                let rate = self.scales.live / self.scales.of_body(b) * multipliers[first[b] + m];
                 moved[0] += rate * motion.velocity;
                 moved[1] += rate * motion.spin;
             }

@@ -22,6 +22,11 @@ pub struct Rod {
 }
 
 impl Rod {
+    /// Bodies at its ends.
+    pub fn bodies(&self) -> [usize; 2] {
+        [self.ends[0].0, self.ends[1].0]
+    }
+
     /// All segments of ties whose ends lie in two bodies, stressed in these steps.
     pub fn all(model: &Model, steps: &[Step], bodies: &Bodies) -> Vec<Self> {
         let mut rods = Vec::new();

@@ -7,12 +7,30 @@ use super::bodies::{Bodies, Wrench};
 use super::joints::Joint;
 use super::program::{Corner, Program, Solution};
 use super::rods::Rod;
+use super::scales::ForceScales;
 use super::unknowns::Unknowns;
 use super::{LimitError, LimitSettings, Live, Progress};
 use crate::model::Model;
 
 /// Part of the largest factor that counts as 0: the programs are solved to 1e-9.
 const ROUNDING: f64 = 1e-6;
+
+/// Index of a spring or a tie that may carry any force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Holder {
+    Spring(usize),
+    Tie(usize),
+}
+
+impl Holder {
+    /// In words.
+    fn called(self, model: &Model) -> String {
+        match self {
+            Self::Spring(s) => format!("the spring `{}`", model.springs[s].name),
+            Self::Tie(t) => format!("the tie `{}`", model.ties[t].name),
+        }
+    }
+}
 
 /// A scene of rigid units.
 pub struct RigidScene<'a> {
@@ -26,6 +44,8 @@ pub struct RigidScene<'a> {
     pub rods: Vec<Rod>,
     /// Dead and live actions.
     actions: Actions,
+    /// Sizes of the forces.
+    pub scales: ForceScales,
     /// Unknowns of the program.
     pub unknowns: Unknowns,
     /// Corners of the joints, joint by joint.
@@ -44,17 +64,33 @@ impl<'a> RigidScene<'a> {
         live: (usize, Live),
         settings: &LimitSettings,
     ) -> Result<Self, LimitError> {
+        Self::with(model, live, settings, &|_| true)
+    }
+
+    /// The same with those springs and ties alone that `keeps` takes.
+    fn with(
+        model: &'a Model,
+        live: (usize, Live),
+        settings: &LimitSettings,
+        keeps: &dyn Fn(Holder) -> bool,
+    ) -> Result<Self, LimitError> {
         let mut bodies = Bodies::of(model, &model.steps[live.0])?;
         let mut actions = Actions::of(model, &bodies, live, settings.along)?;
-        bodies.reactions.append(&mut actions.springs);
+        actions.springs.retain(|(s, _)| keeps(Holder::Spring(*s)));
+        let springs = actions.springs.iter().map(|(_, reaction)| reaction.clone());
+        bodies.reactions.extend(springs);
         let joints = Joint::all(model, &bodies, settings.bonded);
-        let rods = Rod::all(model, &model.steps[..=live.0], &bodies);
+        let mut rods = Rod::all(model, &model.steps[..=live.0], &bodies);
+        rods.retain(|rod| keeps(Holder::Tie(rod.tie)));
         let crushed = settings.strength.is_some();
         let reduced = (!settings.whole)
             .then(|| Unknowns::symmetric(&bodies, &joints, &rods, &actions, crushed));
         let unknowns = reduced.flatten();
         let unknowns = unknowns.unwrap_or_else(|| Unknowns::all(&bodies, &joints, &rods));
+        let parts = (&joints[..], &rods[..]);
+        let scales = ForceScales::of(&bodies, parts, &unknowns, &actions, settings.strength);
         Ok(Self {
+            scales,
             corners: Corner::all(&joints),
             drives: live.1 == Live::Drive,
             model,
@@ -86,6 +122,38 @@ impl<'a> RigidScene<'a> {
     /// No state carries the dead loads, no factor is too large, the solver fails.
     pub fn solve(&self, settings: &LimitSettings, slips: &[f64]) -> Result<Solution, LimitError> {
         self.solve_for(&self.actions.live, settings, slips)
+    }
+
+    /// Reason why there is no factor. Springs and ties that carry any force are named if the scene without them has no
+    /// state that carries every factor.
+    pub fn reason(
+        &self,
+        why: LimitError,
+        live: (usize, Live),
+        settings: &LimitSettings,
+    ) -> LimitError {
+        let holders = self.holders();
+        if why != LimitError::Unbounded || holders.is_empty() {
+            return why;
+        }
+        let free = Self::with(self.model, live, settings, &|one| !holders.contains(&one));
+        let found = free.and_then(|scene| scene.solve(settings, &[]));
+        if let Err(LimitError::Unbounded | LimitError::Solver(_)) = found {
+            return why;
+        }
+        let names = holders.iter().map(|one| one.called(self.model));
+        LimitError::Held(names.collect::<Vec<_>>().join(", "))
+    }
+
+    /// Springs that no step drives, and ties without a yield stress.
+    fn holders(&self) -> Vec<Holder> {
+        let springs = self.actions.springs.iter().map(|(s, _)| Holder::Spring(*s));
+        let ties = self.rods.iter().filter(|rod| rod.most.is_infinite());
+        let mut holders: Vec<Holder> = springs
+            .chain(ties.map(|rod| Holder::Tie(rod.tie)))
+            .collect();
+        holders.dedup();
+        holders
     }
 
     /// Checks that the joints carry the dead loads without the live ones. Factors that are carried form a range; `largest`
@@ -132,6 +200,7 @@ impl<'a> RigidScene<'a> {
             strength: settings.strength,
             rods: &self.rods,
             unknowns: &self.unknowns,
+            scales: &self.scales,
             slips,
         };
         program.solve().map_err(|why| match why {

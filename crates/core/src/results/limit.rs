@@ -2,7 +2,7 @@
 //!
 //! | File | Content |
 //! |---|---|
-//! | [`TABLE`] | factor, mechanism and forces as JSON |
+//! | [`TABLE`] | factor, mechanism, forces and the warnings about the deck as JSON |
 //! | [`MECHANISM`] | the mesh with the `velocity` of its nodes, the fastest at 1, and the `unit` of its elements |
 //! | [`JOINTS`] | a point where the normal force of each joint acts: `force` and `normal_force` [N], `sliding` |
 //! | [`CORNERS`] | the corners of the joints: `force` [N] |
@@ -12,10 +12,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
+use serde::Serialize;
 
 use super::plotting::mechanism;
 use super::vtkhdf::still::{At, StillField, write_mesh, write_points};
-use crate::error::IoError;
+use crate::error::{IoError, Warning};
 use crate::files::write_whole;
 use crate::limit::{LimitAnalysis, LimitError, LimitSettings, MovedUnit, Progress, analyse_told};
 use crate::model::Model;
@@ -41,6 +42,16 @@ pub struct FoundLimit {
     pub model: Model,
     /// Its factor, mechanism and forces.
     pub found: LimitAnalysis,
+    /// Warnings about the deck of the model; none unless they are set.
+    pub warnings: Vec<Warning>,
+}
+
+/// Content of [`TABLE`].
+#[derive(Serialize)]
+struct Table<'a> {
+    #[serde(flatten)]
+    found: &'a LimitAnalysis,
+    warnings: &'a [Warning],
 }
 
 impl FoundLimit {
@@ -62,7 +73,23 @@ impl FoundLimit {
         tell: &mut dyn FnMut(Progress),
     ) -> Result<Self, LimitError> {
         let found = analyse_told(&model, settings, tell)?;
-        Ok(Self { model, found })
+        Ok(Self {
+            model,
+            found,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Content of [`TABLE`]: the figures with the warnings, as one JSON object.
+    ///
+    /// # Errors
+    /// None that is known: all numbers and names have a form in JSON.
+    pub fn table(&self) -> Result<String, serde_json::Error> {
+        let table = Table {
+            found: &self.found,
+            warnings: &self.warnings,
+        };
+        Ok(serde_json::to_string_pretty(&table)? + "\n")
     }
 
     /// Picture of mechanism and forces as SVG.
@@ -101,8 +128,8 @@ impl FoundLimit {
         std::fs::create_dir_all(out).map_err(failed(out))?;
         let paths = FILES.map(|name| out.join(name));
         let [table, moved, joints, corners, picture] = &paths;
-        let json = serde_json::to_string_pretty(&self.found).map_err(std::io::Error::other);
-        let json = json.map_err(failed(table))? + "\n";
+        let json = self.table().map_err(std::io::Error::other);
+        let json = json.map_err(failed(table))?;
         write_whole(table, json.as_bytes()).map_err(failed(table))?;
         self.write_mechanism(moved).map_err(failed(moved))?;
         self.write_joints(joints).map_err(failed(joints))?;

@@ -72,7 +72,7 @@ pub enum ReadError {
     },
     /// A picture cannot be drawn.
     #[error("the picture cannot be drawn: {0}")]
-    #[diagnostic(help("look at history.csv: are there numbers that are none?"))]
+    #[diagnostic(help("look for values in history.csv that are not finite"))]
     Undrawn(String),
     /// A file has unexpected content.
     #[error("{}{}: {why}", path.display(), line.map_or(String::new(), |l| format!(":{l}")))]

@@ -47,7 +47,7 @@ pub fn own_error(studied: &Studied) -> Option<String> {
     let [peak, energy] = [peak, energy].map(|e| percent(e).trim_start_matches('+').to_owned());
     (!told.is_empty()).then(|| {
         format!(
-            "Its own error: {}. If errors fall in proportion to sizes it has as much left itself, up to {peak} of its peak and {energy} of its energy.",
+            "Its own error: {}. If errors are proportional to element and increment size, the remaining error is as large: up to {peak} of its peak and {energy} of its energy.",
             told.join("; ")
         )
     })

@@ -209,7 +209,9 @@ impl ImportedMaterial {
             return Ok((merged, None));
         }
         let Some(lengths) = lengths else {
-            return Err("its displacements need elements to hold for, and it has none".to_owned());
+            return Err(
+                "its table is over displacements, but no element has this material".to_owned(),
+            );
         };
         if first < strongest {
             return Err(

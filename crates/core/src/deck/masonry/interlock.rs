@@ -11,6 +11,10 @@ use super::course::{CourseRow, Sizes};
 use super::layout::Cut;
 use crate::deck::schema::{Bond, Wall};
 
+/// Distances that differ by less than this fraction of a unit are equal: decks round to 0.001 mm or coarser, and a wall
+/// begins with the same course in every orientation.
+const TIE: f64 = 1e-3;
+
 /// How the bond of a wall is laid where it meets others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::deck) struct Interlock {
@@ -22,24 +26,28 @@ pub(in crate::deck) struct Interlock {
 }
 
 impl Interlock {
-    /// Lowest course of the bond with which the units of a wall interlock best, if the first one does not do. `cuts` are
-    /// those by other walls.
+    /// Lowest course of the bond with which the units of a wall interlock best, if the first one does not do; of equal
+    /// ones the first. `cuts` are those by other walls.
     pub(super) fn of(wall: &Wall, pattern: &[Vec<CourseRow>], cuts: &[Cut]) -> Self {
         let with = |first: usize| Self {
             first,
             lap: lap(&Sizes::of(wall), pattern, cuts, first),
         };
         let plain = with(0);
-        if plain.lap >= least_lap(wall) || wall.bond == Bond::Pattern {
+        if plain.overlaps(wall) || wall.bond == Bond::Pattern {
             return plain;
         }
+        let tie = TIE * wall.unit[0].get();
         let others = (1..pattern.len().min(MOST_COURSES)).map(with);
-        others.fold(
-            plain,
-            |best, next| {
-                if next.lap > best.lap { next } else { best }
-            },
-        )
+        others.fold(plain, |best, next| {
+            let is_better = next.lap > best.lap + tie;
+            if is_better { next } else { best }
+        })
+    }
+
+    /// Whether its head joints are far enough from those of the walls that it meets.
+    pub(in crate::deck) fn overlaps(self, wall: &Wall) -> bool {
+        self.lap >= least_lap(wall) - TIE * wall.unit[0].get()
     }
 }
 
@@ -61,17 +69,17 @@ fn lap(sizes: &Sizes, pattern: &[Vec<CourseRow>], cuts: &[Cut], first: usize) ->
         let Some(joint) = cut.joint else { continue };
         let [low, high] = cut.along;
         let mut ends = Vec::new();
-        if low > sizes.tolerance() {
+        if low > TIE * sizes.unit {
             ends.push(low - 0.5 * joint);
         }
-        if high < sizes.length - sizes.tolerance() {
+        if high < sizes.length - TIE * sizes.unit {
             ends.push(high + 0.5 * joint);
         }
         let passing = (0..MOST_COURSES).filter(|k| cut.courses.alternate_with(*k as u32));
         for row in passing.flat_map(|k| &pattern[(k + first) % pattern.len()]) {
             for slot in &row.slots {
                 let head = slot.start + slot.length + 0.5 * sizes.head;
-                if head < sizes.length {
+                if head < sizes.length - TIE * sizes.unit {
                     let away = ends.iter().map(|end| (end - head).abs());
                     lap = away.fold(lap, f64::min);
                 }

@@ -176,6 +176,7 @@ pub(super) fn lay(
     snapped: &mut Snapped,
 ) -> Result<Vec<Unit>, Refusal> {
     snap::join_bats(wall, &mut pattern, snapped);
+    snap::end_at_walls(wall, &mut pattern, cuts);
     let sizes = Sizes::of(wall);
     let levels = levels(wall);
     let laid: Vec<Vec<Piece>> = (0..wall.courses)
@@ -499,12 +500,13 @@ fn unit(
     // The middle of a joint is the same number for the units on both sides.
     let before = beside.before(piece).map_or(front, |x| 0.5 * (x + front));
     let behind = beside.behind(piece).map_or(back, |x| 0.5 * (back + x));
-    let own = [piece.along, piece.through, [low, high]];
     let all = [
         [start.min(from), end.max(to)],
         [before.min(front), behind.max(back)],
         [low, top.max(high)],
     ];
+    let own = [piece.along, piece.through, [low, high]];
+    let own = up_to_neighbours(own, all, beside.sizes.tolerance());
     Unit {
         own: placed(wall, own),
         all: placed(wall, all),
@@ -514,6 +516,17 @@ fn unit(
         mirror: [false; 3],
         half: None,
     }
+}
+
+/// A unit with its faces moved to the ends of its joints where these are thinner than the tolerance [mm]. Such joints
+/// follow from rounding: they would be elements without volume.
+fn up_to_neighbours(own: [[f64; 2]; 3], all: [[f64; 2]; 3], tolerance: f64) -> [[f64; 2]; 3] {
+    let end = |d: usize, side: usize| {
+        let (own, all) = (own[d][side], all[d][side]);
+        let is_joint = (all - own).abs() > tolerance;
+        if is_joint { own } else { all }
+    };
+    [0, 1, 2].map(|d| [end(d, 0), end(d, 1)])
 }
 
 /// Converts a box along, through and up a wall to the axes of the scene.

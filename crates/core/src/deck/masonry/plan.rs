@@ -227,6 +227,13 @@ impl Pair<'_> {
         let (_, name, through) = self.walls[1 - own];
         let wall = self.walls[own].2;
         let top = through.courses.min(wall.courses);
+        // A wall that ends at the other face but for rounding leaves no sliver there.
+        let (length, flush) = (wall.length.get(), flush(wall));
+        let ends = |x: f64| {
+            let end = if x < 0.5 * length { 0.0 } else { length };
+            if (x - end).abs() <= flush { end } else { x }
+        };
+        let along = along.map(ends);
         let butted = self
             .walls
             .map(|(_, _, wall)| wall.corners == Corners::Butted);
@@ -248,6 +255,11 @@ impl Pair<'_> {
 
 /// Distance by which a wall may miss the face at which it begins or ends [mm]: decks are rounded to 0.01 mm.
 const FLUSH: f64 = 0.1;
+
+/// Distance by which ends of units may miss the face of a wall that meets theirs, by rounding of the deck [mm].
+pub(super) fn flush(wall: &Wall) -> f64 {
+    FLUSH.min(0.01 * wall.unit[0].get())
+}
 
 /// Bounding box of a wall before it is turned [mm]. `[xyz][low, high]`
 fn outline(wall: &Wall) -> Result<[[f64; 2]; 3], Refusal> {

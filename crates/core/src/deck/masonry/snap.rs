@@ -8,7 +8,8 @@
 //! ```
 
 use super::course::{CourseRow, Sizes, Slot};
-use super::layout::{Interval, Refusal};
+use super::layout::{Cut, Interval, Refusal};
+use super::plan::flush;
 use crate::deck::schema::{Bond, Wall};
 
 /// A piece shorter than this fraction of a unit is a sliver.
@@ -127,6 +128,29 @@ pub(super) fn join_bats(wall: &Wall, bond: &mut [Vec<CourseRow>], snapped: &mut 
         // A bond of nothing else stays.
         joined.extend(short.filter(|_| row.slots.is_empty() && joined.is_empty()));
         row.slots = joined;
+    }
+}
+
+/// Moves ends of units of a dry wall that miss the face of a wall which meets it by rounding onto this face: units of both
+/// walls then end in one plane, in all courses.
+pub(super) fn end_at_walls(wall: &Wall, bond: &mut [Vec<CourseRow>], cuts: &[Cut]) {
+    let sizes = Sizes::of(wall);
+    if sizes.head > sizes.tolerance() {
+        return;
+    }
+    let walls = cuts.iter().filter(|cut| cut.joint.is_some());
+    let faces: Vec<f64> = walls.flat_map(|cut| cut.along).collect();
+    let rounding = flush(wall);
+    let on_face = |x: f64| {
+        let near = |face: &&f64| (**face - x).abs() <= rounding;
+        faces.iter().find(near).copied().unwrap_or(x)
+    };
+    for slot in bond.iter_mut().flatten().flat_map(|row| &mut row.slots) {
+        let own = [slot.start, slot.start + slot.length];
+        let moved = own.map(on_face);
+        if moved != own && moved[1] > moved[0] {
+            (slot.start, slot.length) = (moved[0], moved[1] - moved[0]);
+        }
     }
 }
 

@@ -232,7 +232,8 @@ impl Default for Contact {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DeckOutput {
-    /// Number of increments between frames of fields; the last increment always has a frame.
+    /// Number of increments between frames of fields; the increment of the largest force and the last one
+    /// always have a frame.
     pub every: usize,
     /// Whether `run.mcap` is written.
     pub mcap: bool,

@@ -39,7 +39,7 @@ pub struct DeckControl {
     pub displacement: Length,
 }
 
-/// `stop` of a driven step: conditions that end it before its full displacement.
+/// `stop` of a step that drives or loads: conditions that end it before its full displacement or load.
 #[skip_serializing_none]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

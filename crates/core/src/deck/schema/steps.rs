@@ -66,7 +66,7 @@ pub struct DeckStep {
     pub procedure: DeckProcedure,
     /// Displacement control: the displacement that controls the load.
     pub control: Option<DeckControl>,
-    /// Drive: conditions that end the step before its full displacement.
+    /// Drive, load: conditions that end the step before its full displacement or load.
     pub stop: Option<DeckStop>,
     /// Tangents.
     #[serde(default)]

@@ -91,6 +91,18 @@ pub(super) fn read(bytes: &[u8], reading: Reading) -> Result<Soup, ShellError> {
 }
 
 impl Entity {
+    /// Name of an outline in messages. Handle and layer may be missing.
+    fn called(&self) -> String {
+        let mut called = "the LWPOLYLINE".to_owned();
+        if !self.handle.is_empty() {
+            called += &format!(" {}", self.handle);
+        }
+        if !self.layer.is_empty() {
+            called += &format!(" of the layer `{}`", self.layer);
+        }
+        called
+    }
+
     fn group(&mut self, code: i32, value: &str, line: u32) -> Result<(), ShellError> {
         let number = || {
             let help = "save the drawing again";
@@ -206,7 +218,7 @@ impl Reader {
             return Ok(());
         }
         let place = Place::Line(of.line);
-        let called = format!("the LWPOLYLINE {} of the layer `{}`", of.handle, of.layer);
+        let called = of.called();
         if of.corners.len() > 1 && of.corners.first() == of.corners.last() {
             of.corners.pop();
             of.is_closed = true;
@@ -383,6 +395,16 @@ mod tests {
                 "70 1 10",
                 "70 0 10",
                 " line 15: the LWPOLYLINE 2A of the layer `arch` is not closed",
+            ),
+            (
+                "5 2A 8 arch 90 3 70 1",
+                "8 arch 90 3 70 0",
+                ": the LWPOLYLINE of the layer `arch` is not closed",
+            ),
+            (
+                "5 2A 8 arch 90 3 70 1",
+                "90 3 70 0",
+                ": the LWPOLYLINE is not closed",
             ),
             ("20 1.5", "20 1.5 42 0.5", "has an arc of more than 45"),
             ("90 3", "90 3 230 -1", "plane of x and y"),

@@ -24,12 +24,13 @@ pub(super) fn wallette(specimen: &Specimen) -> Vec<SpecimenDeck> {
 ┌───────────┐
 ├──┬──────┬─┤
 ├──┴──┬───┴─┤ o
-├──┬──┴───┬─┤ |  gauge, a third of the height
+├──┬──┴───┬─┤ |  gauge over whole courses, about a third of the height
 ├──┴──┬───┴─┤ o
 └─────┴─────┘
 /////////////
 
-EN 1052-1: strength and modulus of masonry at right angles to its beds.",
+EN 1052-1: strength and modulus of masonry at right angles to its beds. The gauge spans whole courses, from the top of a
+unit to that of another one, so that it measures units and beds in their proportion.",
     );
     text.push_str(&wall(
         specimen,
@@ -41,10 +42,10 @@ EN 1052-1: strength and modulus of masonry at right angles to its beds.",
         },
     ));
     let sizes = [length, thickness, up].map(mm);
-    let gauge = |y: f64| {
-        let end = |part: f64| point([0.5 * length, y, part * up]);
-        format!("[{}, {}]", end(1.0 / 3.0), end(2.0 / 3.0))
-    };
+    let [low, high] = gauge(specimen, up);
+    // Beside the middle by a quarter of a unit, where head joints of all courses are equally far.
+    let x = 0.5 * length + 0.25 * (unit + joint);
+    let gauge = |y: f64| format!("[{}, {}]", point([x, y, low]), point([x, y, high]));
     // Far beyond the strain at the strength of masonry, some thousandths.
     let way = mm(0.02 * up);
     tables(
@@ -60,10 +61,12 @@ height = "{} mm"
 [[probes]]
 name = "front"
 gauge = {}
+direction = "z"
 
 [[probes]]
 name = "back"
 gauge = {}
+direction = "z"
 
 [[steps]]
 kind = "drive"
@@ -79,4 +82,13 @@ stop = {{ below_peak = 0.6 }}
         ),
     );
     SpecimenDeck::only(text)
+}
+
+/// Ends of the gauge [mm]: whole courses apart, as near to a third of the height `up` as that allows, in the middle of
+/// it. Both are tops of units, where every mesh has nodes.
+fn gauge(specimen: &Specimen, up: f64) -> [f64; 2] {
+    let (height, bed) = (specimen.unit[2], specimen.unit[2] + specimen.joint);
+    let span = (up / 3.0 / bed).round().max(1.0);
+    let first = ((0.5 * up - height) / bed - 0.5 * span).round().max(0.0);
+    [first, first + span].map(|course| course * bed + height)
 }

@@ -20,6 +20,14 @@ const SKIN: f64 = 0.2;
 /// Part of the stress up to which the jack of one slot is pumped: beyond the cancellation, before the bed opens.
 const PUMPED: f64 = 1.2;
 
+/// Courses between two slots.
+const BETWEEN: u32 = 5;
+/// Courses that the gauges between two slots span, about half the height there.
+const SPAN: f64 = 2.0;
+/// Elements along, up and through a unit between two slots: nodes at half the height of units, and near the quarters of
+/// the slot, beside which the stress changes fast.
+const BETWEEN_MESH: [u32; 3] = [9, 3, 2];
+
 /// Names of the parts of the wall between its slots, from below.
 const ONE: &[&str] = &["lower", "upper"];
 const TWO: &[&str] = &["lower", "middle", "upper"];
@@ -70,7 +78,7 @@ pub(super) fn double(specimen: &Specimen) -> Vec<SpecimenDeck> {
     SpecimenDeck::for_each_pressure(specimen, |pressure| {
         let parts = Parts {
             names: TWO,
-            courses: &[6, 5, 6],
+            courses: &[6, BETWEEN, 6],
             slots: true,
         };
         text(specimen, "flat-jack-double", pressure, &parts)
@@ -95,7 +103,8 @@ fn about(kind: &str, slots: bool, pressure: f64) -> (String, String) {
         _ => (
             format!("Double flat jack at {p} MPa"),
             "│  ════════  │\n│  o  o  o   │  gauges\n│  o  o  o   │\n│  ════════  │",
-            "ASTM C1197, RILEM MDT.D.5: two jacks press the five courses between them. The modulus is that of the gauges.",
+            "ASTM C1197, RILEM MDT.D.5: two jacks press the five courses between them. The modulus is that of the \
+             gauges, which\nspan two whole courses, between middles of units.",
         ),
     };
     let about = format!(
@@ -154,7 +163,7 @@ fn walls(text: &mut String, specimen: &Specimen, parts: &Parts) -> (Vec<Bed>, f6
             WallText {
                 length: length(specimen),
                 courses: *courses,
-                mesh: None,
+                mesh: (*name == "middle").then_some(BETWEEN_MESH),
                 more: &more,
             },
         );
@@ -283,16 +292,17 @@ pub(super) fn contact(text: &mut String, slave: &str, master: &str, interface: &
     );
 }
 
-/// Three gauges along the slot: across it, from the middle of the second course below to that above; between two slots
-/// over the middle half.
+/// Three gauges along the slot. Across one slot they reach from the second bed below to the second bed above: only their
+/// changes count. Between two slots they span whole courses, between middles of units.
 fn gauges(text: &mut String, specimen: &Specimen, beds: &[Bed]) {
     let ([from, to], joint) = (slot(specimen), specimen.joint);
     let course = specimen.unit[2] + joint;
     let [low, high] = match beds {
-        [bed] => [bed.low - 1.5 * course + joint, bed.low + 1.5 * course],
-        [first, .., last] => {
-            let (low, high) = (first.low + joint, last.low);
-            [low + 0.25 * (high - low), low + 0.75 * (high - low)]
+        [bed] => [bed.low - course, bed.low + joint + course],
+        [first, ..] => {
+            let below = 0.5 * (f64::from(BETWEEN - 1) - SPAN);
+            let low = first.low + joint + below * course + 0.5 * specimen.unit[2];
+            [low, low + SPAN * course]
         }
         [] => return,
     };

@@ -43,7 +43,11 @@ fn deck(specimen: &Specimen, two_way: bool) -> Vec<SpecimenDeck> {
     let (weight, gravity) = if specimen.materials.have_mass {
         ("Under its own weight.", "[[steps]]\nkind = \"gravity\"\n\n")
     } else {
-        ("Without self-weight, as its materials have no density.", "")
+        (
+            "Without self-weight, as its materials have no density.",
+            "# No step of gravity, as units or mortar have no density. With `density` in both of them, begin with:\n# \
+             [[steps]]\n# kind = \"gravity\"\n\n",
+        )
     };
     let about = format!(
         "

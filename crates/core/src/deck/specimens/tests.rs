@@ -101,7 +101,7 @@ fn materials_of_a_file_are_taken_by_their_names() {
         materials: Some(file.to_owned()),
         ..Options::default()
     };
-    for test in TESTS.iter().filter(|test| test.name != "tilting-table") {
+    for test in &TESTS {
         for deck in test.decks(&options).unwrap() {
             let (deck, _) = model(&deck.text);
             assert_eq!(deck.wall.unwrap().unit_material, "brick", "{}", test.name);
@@ -133,4 +133,106 @@ fn the_wall_of_diagonal_compression_stands_on_its_corner() {
         highest[0].abs() < 10.0 && highest[2] > 1600.0,
         "{highest:?}"
     );
+}
+
+/// Gauges of a modulus span whole courses: their nodes lie where the deck says, equally high in two units.
+#[test]
+fn gauges_of_moduli_span_whole_courses() {
+    for (unit, bed) in [
+        ("250x120x55", 65.0),
+        ("400x200x200", 210.0),
+        ("200x100x40", 50.0),
+    ] {
+        for test in ["en1052-1", "flat-jack-double"] {
+            let decks = find(test).unwrap().decks(&options(Some(unit))).unwrap();
+            let (deck, model) = model(&decks[0].text);
+            let mut gauges = 0;
+            for (said, probe) in deck.probes.iter().zip(&model.probes) {
+                let Some(said) = said.gauge else { continue };
+                gauges += 1;
+                let nodes = [probe.minus[0], probe.nodes[0]];
+                let ends = nodes.map(|n| model.mesh.nodes[n as usize][2]);
+                for (end, said) in ends.iter().zip(said) {
+                    // The deck has four decimals.
+                    assert!((end - said[2].get()).abs() < 1e-4, "{test} {unit}: {end}");
+                }
+                let courses = (ends[1] - ends[0]) / bed;
+                assert!(
+                    courses > 0.5 && (courses - courses.round()).abs() < 1e-5,
+                    "{test} {unit}: {courses} courses"
+                );
+            }
+            assert!(gauges >= 2, "{test} {unit}");
+        }
+    }
+}
+
+/// Materials without densities and a joint with a bond and without stiffnesses.
+const BONDED: &str = "[materials.unit]\nE = 9000\nnu = 0.2\n[materials.mortar]\nE = 2500\nnu = 0.2\n[interfaces.joint]\n\
+                      f_t = 0.3\nc = 0.45\ntan_phi = 0.75\nmu = 0.65\nzeta = 4.38\nxi = 1.1\nG_I = 0.02\nG_II = 0.06\n";
+
+fn decks_of(test: &str, materials: &str) -> Result<Vec<SpecimenDeck>, SpecimenError> {
+    let options = Options {
+        materials: Some(materials.to_owned()),
+        ..Options::default()
+    };
+    find(test).unwrap().decks(&options)
+}
+
+#[test]
+fn a_wall_on_a_tilting_table_is_dry_whatever_its_materials_say() {
+    let text = &decks_of("tilting-table", BONDED).unwrap()[0].text;
+    let (deck, _) = model(text);
+    let joint = &deck.interfaces["joint"];
+    assert!(joint.is_dry(), "{text}");
+    assert_eq!(joint.mu.unwrap().get(), 0.65);
+    assert_eq!(joint.tan_phi.unwrap().get(), 0.75);
+    for said in ["# The wall is dry", "no stiffness", "no density"] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    // Values of the file come first; a bond by name has its friction.
+    let own = BONDED.replace("nu = 0.2\n", "nu = 0.2\ndensity = 2e-9\n")
+        + "normal_stiffness = 50\nshear_stiffness = 20\n";
+    let text = &decks_of("tilting-table", &own).unwrap()[0].text;
+    assert!(!text.contains("no stiffness") && !text.contains("no density"));
+    let (deck, _) = model(text);
+    let stiffness = deck.interfaces["joint"].normal_stiffness.unwrap();
+    assert_eq!(stiffness.get(), 50.0);
+    let (units, _) = BONDED.split_once("[interfaces").unwrap();
+    let named = format!("{units}[interfaces.joint]\nname = \"M5 on clay\"\n");
+    let (deck, _) = model(&decks_of("tilting-table", &named).unwrap()[0].text);
+    assert!(deck.interfaces["joint"].is_dry());
+    assert_eq!(deck.interfaces["joint"].mu.unwrap().get(), 0.5);
+}
+
+#[test]
+fn materials_that_make_no_dry_joint_are_refused() {
+    let refused = |materials: &str| {
+        decks_of("tilting-table", materials)
+            .unwrap_err()
+            .to_string()
+    };
+    let said = refused(&BONDED.replace("mu = 0.65\n", ""));
+    assert!(said.contains("[interfaces.joint] has no mu"), "{said}");
+    let said = refused(&format!("{BONDED}normal_stiffness = 50\n"));
+    assert!(said.contains("one of normal_stiffness"), "{said}");
+}
+
+#[test]
+fn a_file_of_materials_that_is_no_toml_is_told_with_its_line() {
+    let said = decks_of("en1052-3", "[materials.unit]\nE = 9000\nnu = \n").unwrap_err();
+    assert!(said.message.starts_with("line 3: "), "{said}");
+}
+
+/// Walls that bend out of their plane bear their weight; a deck whose materials have none says so where it would act.
+#[test]
+fn a_weight_that_is_left_out_is_told() {
+    for test in ["out-of-plane", "out-of-plane-two-way"] {
+        let text = &decks_of(test, BONDED).unwrap()[0].text;
+        assert!(text.contains("# No step of gravity"), "{text}");
+        let (deck, _) = model(text);
+        assert_eq!(deck.steps.len(), 1);
+        let text = &find(test).unwrap().decks(&Options::default()).unwrap()[0].text;
+        assert_eq!(model(text).0.steps.len(), 2);
+    }
 }

@@ -416,14 +416,20 @@ fn out_of_plane(run: &TestRun) -> Values {
 fn tilting(run: &TestRun) -> Values {
     let angle = run.size("angle", run.test.angle)?;
     let last = run.history.rows.last().map_or(0.0, |row| row.load_factor);
+    let (of_angle, of_factor) = if run.has_fallen() {
+        (
+            "inclination of the last equilibrium",
+            "tangent of this angle: horizontal over vertical force",
+        )
+    } else {
+        (
+            "inclination at the end of the run: the wall has not fallen",
+            "tangent of this angle, which the wall bears: no load factor of collapse",
+        )
+    };
     let angle = angle * run.collapsed_at.unwrap_or(last);
     Ok(vec![
-        TestValue::new("angle", angle, "deg", "inclination of the last equilibrium"),
-        TestValue::new(
-            "load_factor",
-            angle.to_radians().tan(),
-            "",
-            "tangent of this angle: horizontal over vertical force",
-        ),
+        TestValue::new("angle", angle, "deg", of_angle),
+        TestValue::new("load_factor", angle.to_radians().tan(), "", of_factor),
     ])
 }

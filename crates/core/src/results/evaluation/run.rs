@@ -12,8 +12,11 @@ use crate::results::{Curve, ReadError, ReadHistory, RunFolder, VerdictKind};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Tensile damage of the solids at the largest force from which a test of a joint is one of its units, too [-].
+/// Tensile damage of the solids from which a test of a joint is one of its units or mortar, too [-].
 const CRACKED: f64 = 0.5;
+
+/// Damage of the joints at the end up to which they are undamaged [-].
+const UNDAMAGED: f64 = 0.1;
 
 /// Part of the largest force which a joint may still lose at the end of its test [-].
 const UNBROKEN: f64 = 0.02;
@@ -181,8 +184,42 @@ impl TestRun {
     pub(super) fn remarks(&self, notes: &mut Vec<String>) {
         self.remark_on_verdict(notes);
         if self.test.kind.measures_joints() {
-            self.remark_on_joints(notes);
+            if self.broke_beside_the_joint() {
+                self.remark_on_solids(notes);
+            } else {
+                self.remark_on_joints(notes);
+            }
         }
+        if self.test.kind == TestKind::TiltingTable && !self.has_fallen() {
+            notes.push(format!(
+                "{}: the wall has not fallen: the angle is that at which the run ended, and no angle of collapse",
+                self.name
+            ));
+        }
+    }
+
+    /// Whether the wall of a tilting table has fallen.
+    pub(super) fn has_fallen(&self) -> bool {
+        self.collapsed_at.is_some() || self.verdict == Some(VerdictKind::Collapsed)
+    }
+
+    /// Whether units or mortar have cracked at the end of the test of a joint that is undamaged.
+    fn broke_beside_the_joint(&self) -> bool {
+        let last = self.history.rows.last();
+        last.is_some_and(|row| {
+            row.max_tensile_damage >= CRACKED && row.max_interface_damage <= UNDAMAGED
+        })
+    }
+
+    fn remark_on_solids(&self, notes: &mut Vec<String>) {
+        let Some(last) = self.history.rows.last() else {
+            return;
+        };
+        notes.push(format!(
+            "{}: units or mortar broke (tensile damage {:.2} at the end), and the joint did not (damage {:.2}): strength \
+             and energy are not those of the joint, which carries more",
+            self.name, last.max_tensile_damage, last.max_interface_damage
+        ));
     }
 
     /// Tells where the forces are not those of the joint alone, or where the drive was too short to break it.

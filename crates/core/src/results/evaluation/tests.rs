@@ -175,6 +175,26 @@ fn a_wall_that_fell_tells_the_tangent_of_its_last_angle() {
     run.collapsed_at = Some(0.5);
     let found = evaluate(&[run]).unwrap();
     near(of(&found, "load_factor"), 22.5_f64.to_radians().tan());
+    assert_eq!(found.notes, Vec::<String>::new());
+}
+
+#[test]
+fn a_wall_that_has_not_fallen_has_no_angle_of_collapse() {
+    let mut run = run(TestKind::TiltingTable, &[(0.0, 0.0)], &[]);
+    run.history.rows[0].load_factor = 1.0;
+    run.verdict = Some(VerdictKind::Stands);
+    let found = evaluate(&[run]).unwrap();
+    near(of(&found, "angle"), 45.0);
+    assert!(
+        found.runs[0].values[0].about.contains("has not fallen"),
+        "{:?}",
+        found.runs[0].values
+    );
+    assert!(
+        found.notes[0].contains("no angle of collapse"),
+        "{:?}",
+        found.notes
+    );
 }
 
 #[test]
@@ -205,6 +225,19 @@ fn units_that_cracked_and_joints_that_did_not_break_are_remarked_on() {
     short.history.rows[0].max_tensile_damage = 0.9;
     let found = evaluate(std::slice::from_ref(&short)).unwrap();
     assert!(found.notes[0].contains("0.90"), "{:?}", found.notes);
+    // Mortar that tears after the peak, beside a joint that does not: the strength is that of the mortar.
+    let points = [(0.1, 3.0), (0.2, 0.5), (1.0, 0.1)];
+    let mut torn = run(TestKind::CoupletTension, &points, &[]);
+    torn.history.rows[2].max_tensile_damage = 0.95;
+    let found = evaluate(std::slice::from_ref(&torn)).unwrap();
+    assert!(
+        found.notes.len() == 1 && found.notes[0].contains("units or mortar broke"),
+        "{:?}",
+        found.notes
+    );
+    torn.history.rows[2].max_interface_damage = 1.0;
+    let found = evaluate(&[torn]).unwrap();
+    assert!(!found.notes[0].contains("broke"), "{:?}", found.notes);
     // A third of the largest force is left: an area below the curve is missing.
     let couplet = run(TestKind::CoupletTension, &[(0.1, 3.0), (1.0, 1.0)], &[]);
     let found = evaluate(&[couplet]).unwrap();

@@ -337,7 +337,7 @@ impl Sink for Reader {
         if let Some((_, what)) = REFUSED.iter().find(|(refused, _)| *refused == name) {
             return Err(Wrong::new(
                 keyword.place,
-                format!("*{name} is not read, and without it {what} are not what is meant"),
+                format!("*{name} is not read, and the {what} depend on it"),
                 "let Abaqus write the model with every node and element (Abaqus/CAE does)",
             ));
         }

@@ -98,7 +98,7 @@ fn frames_of(raw: &Raw) -> Result<Vec<Frame<'_>>, Wrong> {
     {
         return Err(Wrong::new(
             Place::default(),
-            format!("the part {name} stands nowhere: there is no *INSTANCE of it"),
+            format!("the part {name} is not used: there is no *INSTANCE of it"),
             "write the assembly, too, or take *PART and *END PART out",
         ));
     }

@@ -256,7 +256,7 @@ pub(in crate::deck) fn misfit(
     (kept && amplitude.end() != 1.0).then(|| {
         (
             format!(
-                "the amplitude ends at {}, and what a {} leaves stays",
+                "the amplitude ends at {}, but the effect of a {} remains in later steps",
                 amplitude.end(),
                 step.kind.name()
             ),

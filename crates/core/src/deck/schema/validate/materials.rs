@@ -80,7 +80,7 @@ impl Checks<'_> {
                 || m.reference_length.is_some()
                 || m.has_energies(),
             &key("crack_band"),
-            || "a band has nothing to be set against: reference_length is missing".to_owned(),
+            || "`crack_band` needs `reference_length`".to_owned(),
             "give reference_length, the width of the band for which the tables hold",
         );
         if m.kind == SolidKind::DamagePlasticity {
@@ -206,7 +206,7 @@ impl Checks<'_> {
         self.require(
             !mixed || m.reference_length.is_some(),
             &key("reference_length"),
-            || "a table beside a fracture energy has no length to hold for: reference_length is missing".to_owned(),
+            || "a table beside a fracture energy needs `reference_length`, the width for which it holds".to_owned(),
             &keys::example("reference_length"),
         );
         self.first_yield(path, m);

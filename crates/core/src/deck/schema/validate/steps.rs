@@ -2,7 +2,7 @@
 
 use super::Checks;
 use crate::deck::keys;
-use crate::deck::quantity::Quantity;
+use crate::deck::quantity::{Number, Quantity};
 use crate::deck::schema::{
     DeckProcedure, DeckRayleigh, DeckStep, Direction, Heading, StepKind, Turning,
 };
@@ -200,17 +200,7 @@ impl Checks<'_> {
             || "there is no record whose unit this would be".to_owned(),
             &keys::example("ground"),
         );
-        for (name, given) in [
-            ("ground_factor", step.ground_factor.is_some()),
-            ("ground_start", step.ground_start.is_some()),
-        ] {
-            self.require(
-                !given || step.ground.is_some(),
-                &key(name),
-                || "there is no record that it could change".to_owned(),
-                &keys::example("ground"),
-            );
-        }
+        self.ground_changes(path, step);
         if let Some(alpha) = step.alpha {
             let value = alpha.get();
             self.demand(
@@ -228,6 +218,34 @@ impl Checks<'_> {
             DeckProcedure::QuasiStatic | DeckProcedure::Dynamic
         ) {
             self.masses(&key("procedure"));
+        }
+    }
+
+    /// Checks that what changes records has a record to change.
+    fn ground_changes(&mut self, path: &str, step: &DeckStep) {
+        let key = |name: &str| format!("{path}.{name}");
+        for (name, given) in [
+            ("ground_factor", step.ground_factor.is_some()),
+            ("ground_start", step.ground_start.is_some()),
+        ] {
+            self.require(
+                !given || step.ground.is_some(),
+                &key(name),
+                || "there is no record that it could change".to_owned(),
+                &keys::example("ground"),
+            );
+        }
+        let (Some(ground), Some(factor)) = (&step.ground, step.ground_factor) else {
+            return;
+        };
+        let factors = [factor.x, factor.y, factor.z].map(Number::get);
+        for ((axis, file), factor) in ["x", "y", "z"].iter().zip(ground.files()).zip(factors) {
+            self.require(
+                file.is_some() || factor == 1.0,
+                &key(&format!("ground_factor.{axis}")),
+                || format!("`ground` has no record of {axis} that it could change"),
+                &format!("ground = {{ {axis} = \"record.csv\" }}, or leave the factor out"),
+            );
         }
     }
 
@@ -485,7 +503,7 @@ impl Checks<'_> {
         self.require(
             !(turns && upright && step.kind == StepKind::Drive),
             &key("direction"),
-            || format!("`{name}` turns: driven upwards it would be held where its load is"),
+            || format!("`{name}` may rotate and cannot be driven vertically"),
             "press it by a preload, drive it along x or y; rotation = \"level\" may be driven along z",
         );
     }
