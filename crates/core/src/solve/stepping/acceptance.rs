@@ -187,7 +187,7 @@ impl Run<'_> {
             .max(state.energies.taken() + taken.net);
         // Backward Euler only takes energy. What makes some has come to another equilibrium, far away.
         let made = match request.method {
-            Method::QuasiStatic => {
+            Method::QuasiStatic if step_run.step.procedure.seeks_equilibrium() => {
                 let newton = &step_run.newton;
                 -newton.numerical_dissipation(&self.system, state, trial)
             }
