@@ -38,7 +38,7 @@ pub struct Fall {
     /// Bodies that moved at least half as far as the farthest one, in descending order.
     pub bodies: Vec<FallenBody>,
     /// Number and name of a later step, if the fall was found in that.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub found_in: Option<String>,
 }
 

@@ -372,7 +372,11 @@ mod tests {
         };
         let (_, notes) = m.in_a_deck(Some(uneven)).unwrap();
         assert!(notes[1].contains("by 0.500 to 1.000"), "{notes:?}");
-        assert!(m.in_a_deck(None).unwrap_err().contains("need elements"));
+        assert!(
+            m.in_a_deck(None)
+                .unwrap_err()
+                .contains("no element has this material")
+        );
         m.tension_damage.measure = Measure::Strain;
         let error = m.in_a_deck(Some(even)).unwrap_err();
         assert!(error.contains("write both alike"), "{error}");

@@ -41,6 +41,9 @@ const MASTERS: [Face; 6] = [
 /// Faces touch if they overlap by more than this [mm] and their distance is no larger.
 const TOUCH: f64 = 1e-6;
 
+/// Faces that overlap by less than this [mm] share no joint: coordinates of decks are rounded.
+const LEAST_OVERLAP: f64 = 2e-3;
+
 /// A face of a unit as a rectangle.
 struct Rectangle {
     wall: usize,
@@ -423,7 +426,7 @@ fn pairs_of(
                 let (a, b) = (high.range[d], low.range[d]);
                 a[1].min(b[1]) - a[0].max(b[0])
             };
-            if low.body == high.body || overlap(0) <= TOUCH || overlap(1) <= TOUCH {
+            if low.body == high.body || overlap(0) <= LEAST_OVERLAP || overlap(1) <= LEAST_OVERLAP {
                 continue;
             }
             if !is_joined(low, high) {

@@ -146,7 +146,7 @@ fn a_failed_row_is_reported_and_the_rows_before_are_kept() {
     };
     assert_eq!((walk.records.len(), walk.failure), (7, Some(failure)));
     let said = failure.why.explain(&unsound[7], &super::super::INTERFACE);
-    assert_eq!(said, "what tau1 is told is not a finite number");
+    assert_eq!(said, "the prescribed value of tau1 is not finite");
 
     let mut unsound = shear_path();
     unsound[3].time = 0.2;

@@ -52,16 +52,26 @@ impl Run<'_> {
         let carried = step_run.fallback.method() == Method::QuasiStatic;
         let interval = |load: f64| (load.abs().ln() / step.increments.peak.ln_1p()).floor();
         let changed = start == 0.0 || interval(start) != interval(step_run.load);
-        if !(seeks && carried && changed) {
+        if !(seeks && carried && changed) || step_run.branch.unstable_from.is_some() {
             return;
         }
         let of = (self.model, step);
-        let unstable = gives_way(of, &mut self.system, &self.state, &mut self.trial);
-        match (step_run.branch.unstable_from, unstable) {
-            (None, true) => self.disturb(step_run),
-            // What the disturbance has moved has come to stand safely.
-            (Some(_), false) => step_run.branch.unstable_from = None,
-            _ => {}
+        if gives_way(of, &mut self.system, &self.state, &mut self.trial) {
+            self.disturb(step_run);
+        }
+    }
+
+    /// Holds the loads while bodies move, see [`StepRun::hold_or_go_on`]. What the disturbance has moved may come to rest
+    /// where it is stable.
+    pub(in crate::solve) fn hold_or_go_on(&mut self, step_run: &mut StepRun, moves: bool) {
+        let held = step_run.held > 0;
+        step_run.hold_or_go_on(moves);
+        let rests = held && step_run.held == 0;
+        if rests && step_run.branch.unstable_from.is_some() {
+            let of = (self.model, step_run.step);
+            if !gives_way(of, &mut self.system, &self.state, &mut self.trial) {
+                step_run.branch.unstable_from = None;
+            }
         }
     }
 

@@ -366,7 +366,7 @@ impl<'m> Run<'m> {
         step_run.begin_attempts(request, solves, added);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
-        step_run.hold_or_go_on(moves || hastens);
+        self.hold_or_go_on(step_run, moves || hastens);
         self.report_collapse(step_run, recorder);
         let mut keeps_symmetry = true;
         if !end && step_run.is_at_row() {
