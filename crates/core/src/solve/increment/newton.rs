@@ -8,11 +8,9 @@
 //! With secant stiffness the solids are treated alike: each iterate is linear about the last update of viscous strain
 //! and damage, and the out-of-balance force is that of the law.
 
-use super::body_balance::{Bodies, LEAST, RESULTANT};
+use super::body_balance::Bodies;
 pub use super::convergence::IMBALANCE;
-use super::convergence::{
-    Balance, LOOSENED, NEGLIGIBLE, Scales, WORK, largest, least_scale, root_mean_square,
-};
+use super::convergence::{Balance, Scales, largest, least_scale, root_mean_square};
 use super::energy_balance::traction_updates;
 use super::external_forces::Loads;
 use super::line_search::{LineSearch, dot};
@@ -21,11 +19,11 @@ use super::outcome::{Outcome, Problem, Rejection, Report};
 use super::traction_patterns::Pause;
 use crate::assembly::{Equations, Evaluation, Solids, System, Trial, Turning};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Procedure, Step, Tangent};
+use crate::model::scene::{BeamMotion, Step, Tangent};
 use crate::solve::dynamics::integration::Motion;
 use crate::solve::stepping::fallback::MethodChoice;
 use crate::solve::stepping::path::Advance;
-use crate::solve::stepping::relaxation::{AT_REST, Dashpots};
+use crate::solve::stepping::relaxation::Dashpots;
 use crate::solve::stepping::step_size::Increment;
 use crate::state::Clock;
 use crate::state::Method;
@@ -356,72 +354,6 @@ impl<'m> Newton<'m> {
         }
     }
 
-    /// Whether the out-of-balance forces are below the tolerance, and their work along the increment over the work
-    /// turned over; 0 where it was not needed.
-    fn is_balanced(&self, at: &Problem<'_>, balance: &Balance, scale: f64) -> (bool, f64) {
-        // Without a solve the bounds are stricter: residuals of such starts would add up over the increments.
-        let part = if at.solves.count == 0 { START } else { 1.0 };
-        let loosened = if self.scales.loosened > 0 {
-            LOOSENED
-        } else {
-            1.0
-        };
-        let most = loosened * self.step.tolerance.residual;
-        if at.solves.count > 0 && self.passes_through(balance, scale) {
-            return (self.bodies_balance(at, part, scale), 0.0);
-        }
-        let balanced = balance.holds(part, most);
-        // Along a path the advance is prescribed, so no state lags behind a load. Nor does one without loads.
-        let loaded = scale > self.scales.least;
-        if !(balanced && loaded && at.attempt.advance == Advance::Load) {
-            return (balanced, 0.0);
-        }
-        let way: Vec<f64> = (self.q.iter().zip(&at.state.q))
-            .map(|(q, s)| q - s)
-            .collect();
-        let [lost, turned] = self.works(at.system, at.state, at.trial, &way);
-        let work = lost.abs() / turned.max(f64::MIN_POSITIVE);
-        let holds = work <= part * WORK || balance.holds(part * NEGLIGIBLE, most);
-        (holds && self.bodies_balance(at, part, scale), work)
-    }
-
-    /// Whether the state is one that a relaxation passes through, and its motion is followed: dashpots still carry more
-    /// than a structure at rest, and much more than is out of balance. The end of a relaxation is not one.
-    fn passes_through(&self, balance: &Balance, scale: f64) -> bool {
-        if (self.dashpots.as_ref()).is_none_or(|d| d.factor == 0.0 || !d.passes) {
-            return false;
-        }
-        let drag = Balance::new(&self.dashpot_forces(), scale);
-        let tolerance = self.step.tolerance.residual;
-        !drag.holds(AT_REST, tolerance)
-            && balance.largest <= tolerance.max(FOLLOWED * drag.largest)
-            && balance.root_mean_square <= IMBALANCE.max(FOLLOWED * drag.root_mean_square)
-    }
-
-    /// Whether the out-of-balance forces of each body are below `part` of their tolerance.
-    fn bodies_balance(&self, at: &Problem<'_>, part: f64, scale: f64) -> bool {
-        // Without load all forces are roundings.
-        let least = (LEAST * scale).max(self.scales.least);
-        let residual = (&self.vectors.residual[..], &self.equations.slot_of[..]);
-        let loads = &self.loading.loads.total;
-        let motion = self.motion.as_ref();
-        // Bodies that fly may have no forces but those of their inertia.
-        let motion = motion.filter(|_| self.choice.method == Method::Dynamic);
-        let acting = loads.iter().enumerate().map(|(slot, load)| {
-            let inertia = motion.map_or(0.0, |motion| motion.size(&at.system.mass, slot));
-            load.abs() + inertia
-        });
-        let worst = (self.scales.bodies).worst((at.system, at.trial), residual, acting, least);
-        worst <= part * RESULTANT
-    }
-
-    /// Counts an increment that was solved with a loosened tolerance; false if it was not.
-    pub(in crate::solve) fn tighten(&mut self) -> bool {
-        let loosened = self.scales.loosened > 0;
-        self.scales.loosened = self.scales.loosened.saturating_sub(1);
-        loosened
-    }
-
     /// Report on an increment in balance whose matrix is positive definite.
     fn converged(&mut self, at: &mut Problem<'_>, largest: f64) -> Result<Report, Rejection> {
         let ends = at.attempt.increment.ends_step();
@@ -433,24 +365,6 @@ impl<'m> Newton<'m> {
             extrapolation_error: 0.0,
             load_factor: self.loading.factor,
         })
-    }
-
-    /// Whether `auto` gives up the increment before the most iterations.
-    fn is_hopeless(&self, iteration: usize, balance: &Balance) -> bool {
-        self.step.procedure == Procedure::Auto
-            && self.motion.is_none()
-            && iteration >= PATIENCE
-            && balance.root_mean_square > FAR_OFF * IMBALANCE
-    }
-
-    fn not_converged(&self, system: &System, balance: &Balance, work: f64) -> Rejection {
-        let slot = self.equations.slot_of[balance.worst] as usize;
-        Rejection::Iterations {
-            residual: balance.largest,
-            root_mean_square: balance.root_mean_square,
-            work,
-            node: system.dofs.node_of(slot).0,
-        }
     }
 
     /// One solve and the way along its direction. `on_path`: whether the prescribed advance was taken.
@@ -591,15 +505,6 @@ impl<'m> Newton<'m> {
 /// after a cut, use the secant stiffness. It converges more slowly but does not cycle where a unit snaps.
 const SOFTENED: usize = 6;
 
-/// Iterations after which `auto` gives up an increment if the root mean square of the out-of-balance forces still
-/// exceeds `FAR_OFF` times its bound. A smaller increment or a relaxation is cheaper.
-const PATIENCE: usize = 12;
-const FAR_OFF: f64 = 10.0;
-
-/// Largest out-of-balance force over that of the dashpots in a state that a relaxation passes through. With a half
-/// instead, a wall of the zoo stands beyond the snap of its unit.
-const FOLLOWED: f64 = 0.2;
-
 /// Most iterations of a sub-increment of a relaxation.
 const RELAXING: usize = 14;
 
@@ -615,6 +520,3 @@ pub(in crate::solve) fn along(setting: Evaluation) -> Evaluation {
         ..setting
     }
 }
-
-/// Factor on the tolerances for a start that is accepted without a solve.
-const START: f64 = 0.1;
