@@ -1,6 +1,7 @@
 //! The steps of a run: increment sizes, procedures and their fallback, acceptance, peaks, history rows.
 
 pub(in crate::solve) mod acceptance;
+mod accepted;
 pub(in crate::solve) mod commit;
 pub(in crate::solve) mod counts;
 pub(in crate::solve) mod damage_bound;
