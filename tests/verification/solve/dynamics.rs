@@ -5,9 +5,7 @@ use crate::common::scene::{self, DENSITY, Face, G, Recording, completed, gap};
 use wythe::assembly::{Bulk, DofMap, Mass};
 use wythe::deck::Deck;
 use wythe::model::Model;
-use wythe::model::scene::{
-    BeamMotion, Fidelity, Gravity, GroundMotion, Procedure, Rayleigh, Tangent,
-};
+use wythe::model::scene::{BeamMotion, Gravity, Procedure, Rayleigh, Tangent};
 use wythe::solve::RunError;
 use wythe::state::HistoryRow;
 
@@ -116,7 +114,7 @@ fn a_block_flies_on_without_forces_and_turns_without_damping() {
 }
 
 /// A column of four elements on a fixed base.
-fn column() -> (Model, usize) {
+pub(super) fn column() -> (Model, usize) {
     let mut model = scene::empty();
     let solid = scene::heavy(1e3, 0.0, DENSITY);
     let column = scene::block(&mut model, [0.0; 3], [50.0, 50.0, 200.0], [1, 1, 4], &solid);
@@ -149,51 +147,6 @@ fn a_column_settles_under_its_weight_and_stays() {
     assert!((settled.external_work_J / settled.elastic_energy_J - 1.0).abs() < 1e-6);
     // No motion beyond the residual.
     assert!(last.kinetic_energy_J < 1e-9 * last.elastic_energy_J);
-}
-
-#[test]
-fn a_ground_that_accelerates_acts_as_gravity_does() {
-    let (mut model, _) = column();
-    let shaken = |gravity, ground| {
-        let mut step = scene::set_free(gravity, 0.02, 100, 1e-8, -0.05);
-        step.ground = ground;
-        step
-    };
-    let down = [0.0, 0.0, -G];
-    let up = GroundMotion {
-        acceleration: [Vec::new(), Vec::new(), vec![[0.0, G], [0.02, G]]],
-    };
-    model.steps = vec![shaken(Gravity::Constant(down), GroundMotion::default())];
-    let by_gravity = completed(&model);
-    model.steps = vec![shaken(Gravity::None, up)];
-    let by_ground = completed(&model);
-    let last = |r: &Recording| r.states.last().unwrap().q.clone();
-    assert_eq!(last(&by_gravity), last(&by_ground));
-    let row = by_ground.rows.last().unwrap();
-    assert!(row.kinetic_energy_J > 0.0);
-    assert!(gap(row).abs() < 1e-5 * row.external_work_J, "{row:?}");
-}
-
-#[test]
-fn a_record_is_linear_between_its_rows_and_zero_outside() {
-    let motion = GroundMotion {
-        acceleration: [
-            vec![[0.0, 1.0], [0.5, 2.0], [1.0, 0.0]],
-            Vec::new(),
-            Vec::new(),
-        ],
-    };
-    for (time, expected) in [
-        (-0.1, 0.0),
-        (0.0, 1.0),
-        (0.25, 1.5),
-        (0.5, 2.0),
-        (0.75, 1.0),
-        (1.0, 0.0),
-        (1.1, 0.0),
-    ] {
-        assert_eq!(motion.at(time), [expected, 0.0, 0.0]);
-    }
 }
 
 #[test]
@@ -490,114 +443,4 @@ fn a_block_that_falls_on_a_floor_gains_no_energy() {
     }
     // The block comes to rest.
     assert!(rows.last().unwrap().kinetic_energy_J < 0.01 * most);
-}
-
-/// A block deck with a ground record.
-fn shaken(scene: &str, record: &str, step: &str) -> Model {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("record.csv"), record).unwrap();
-    let text = format!("{}{scene}{step}", blocks::HEAD);
-    let file = folder.path().join("deck.toml");
-    let deck = Deck::from_str(&text, &file.display().to_string()).unwrap();
-    Model::from_deck(&deck).unwrap().0
-}
-
-/// A record that begins after its step ends leaves the ground at rest, and a warning says so.
-#[test]
-fn records_outside_their_step_are_told() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("record.csv"), "t,a\n0,1\n1,2\n2,0\n").unwrap();
-    for (start, outside) in [("0 s", false), ("1.5 s", false), ("2.5 s", true)] {
-        let step = format!(
-            "{}[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 0.1\n\
-             ground = {{ x = \"record.csv\" }}\nground_start = \"{start}\"\n",
-            blocks::GRAVITY
-        );
-        let text = format!("{}{}{step}", blocks::HEAD, blocks::PAIR);
-        let file = folder.path().join("deck.toml");
-        let deck = Deck::from_str(&text, &file.display().to_string()).unwrap();
-        let (_, told) = Model::from_deck(&deck).unwrap();
-        let told: Vec<String> = told.iter().map(ToString::to_string).collect();
-        let named = told
-            .iter()
-            .any(|w| w.contains("the ground is at rest throughout"));
-        assert_eq!(named, outside, "{start}: {told:?}");
-    }
-}
-
-/// Under gravity a block on a ground that accelerates by 1 g slides against it with (1 - μ) g; at 0.3 g it sticks.
-/// The record is in g, twice as strong and 0.1 s late.
-#[test]
-fn a_block_slides_on_a_shaken_ground() {
-    for (factor, slides) in [(2.0, true), (0.6, false)] {
-        let step = format!(
-            "{}[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 0.1\n\
-             ground = {{ x = \"record.csv\" }}\nground_unit = \"g\"\nground_factor = {{ x = {factor} }}\n\
-             ground_start = \"100 ms\"\n",
-            blocks::GRAVITY
-        );
-        let record = "t,a\n0,9\n0.1,0.5\n0.15,0.5\n0.2,0.5\n0.3,0.5\n";
-        let scene = blocks::PAIR.replace("velocity = [\"1 m/s\", 0, 0]\n", "");
-        let mut model = shaken(&scene, record, &step);
-        model.fidelity = Fidelity::Full; // the test reads its states
-        assert_eq!(model.steps[1].ground.at(0.0)[0], 0.5 * factor * 9810.0);
-        assert!(model.steps[1].increments.max <= 0.01);
-        let recording = completed(&model);
-        let last = recording.states.last().unwrap();
-        let mut u = vec![[0.0; 3]; model.mesh.nodes.len()];
-        wythe::assembly::DofMap::new(&model).spread(&last.q, &mut u);
-        let way = u.iter().map(|u| u[0]).fold(0.0, f64::min);
-        let exact = if slides {
-            -0.5 * (1.0 - 0.4) * 9810.0 * 0.01
-        } else {
-            0.0
-        };
-        println!("{way} {exact}");
-        // Tolerance: half of the first increment, in which friction does not act yet, and the sway of the block.
-        assert!((way - exact).abs() < 0.3, "{way} {exact}");
-        let row = recording.rows.last().unwrap();
-        let most = recording
-            .rows
-            .iter()
-            .map(|r| r.external_work_J.abs())
-            .fold(0.0, f64::max);
-        assert!(!slides || gap(row).abs() < 2e-3 * most, "{row:?}");
-    }
-}
-
-/// A wall that is slowly accelerated by 0.1 g along x under gravity exerts its mass times both on its supports.
-#[test]
-fn the_reaction_of_a_wall_on_accelerating_ground_is_its_mass_times_that() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("ramp.csv"), "0,0\n20,0.1\n").unwrap();
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(root.join("examples/03_shear_wall_j7d.toml")).unwrap();
-    let (head, _) = text.split_once("[[steps]]").unwrap();
-    let steps = "[[steps]]\nkind = \"gravity\"\n[[steps]]\nkind = \"free\"\nprocedure = \"dynamic\"\nduration = 20\n\
-         rayleigh = { mass = \"50 s^-1\" }\nincrements = { initial = 0.05, max = 0.05 }\n\
-         ground = { x = \"ramp.csv\" }\nground_unit = \"g\"\n";
-    let overrides = [
-        ("wall.courses", "4"),
-        ("wall.length", "420.5 mm"),
-        ("materials.brick.density", "1900 kg/m^3"),
-        ("materials.mortar.density", "1900 kg/m^3"),
-    ];
-    let overrides = overrides.map(|(k, v)| (k.to_owned(), v.to_owned()));
-    let file = folder.path().join("wall.toml").display().to_string();
-    let deck = Deck::from_str_with(&format!("{head}{steps}"), &file, &overrides).unwrap();
-    let model = Model::from_deck(&deck).unwrap().0;
-    let recording = completed(&model);
-    let last = recording.rows.last().unwrap();
-    let sum = |i: usize| last.reactions.iter().map(|r| r[i]).sum::<f64>();
-    let mass: f64 = (0..model.mesh.elements.len())
-        .map(|e| 1.9e-9 * model.mesh.volume(e))
-        .sum();
-    // The beam is fixed along x and free along z: its weight is part of the wall's. Slow: a thousandth of sway.
-    for (i, exact) in [(0, 0.1 * 9810.0 * mass), (2, 9810.0 * mass)] {
-        assert!(
-            (sum(i) / exact - 1.0).abs() < 5e-3,
-            "{i}: {} {exact}",
-            sum(i)
-        );
-    }
 }
