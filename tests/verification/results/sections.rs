@@ -149,19 +149,18 @@ fn sections_balance_the_loads_and_the_reactions() {
     assert!(apart(drift, top) < 1e-3);
 }
 
+/// Deck of a column of one block of 100 × 50 × 400 mm on its support.
+fn block(mesh: [u32; 3], rest: &str) -> String {
+    format!(
+        "{HEAD}[[blocks]]\nname = \"column\"\nsize = [100, 50, 400]\nmaterial = \"stone\"\nmesh = {mesh:?}\n\
+         [[supports]]\non = \"column.bottom\"\n{rest}"
+    )
+}
+
 /// A column of one block, pushed at its top: the moment of a section is force times height.
 #[test]
 fn the_moment_of_a_section_is_that_of_the_forces_above_it() {
-    let scene = r#"
-[[blocks]]
-name = "column"
-size = [100, 50, 400]
-material = "stone"
-mesh = [2, 1, 8]
-
-[[supports]]
-on = "column.bottom"
-
+    let rest = r#"
 [[sections]]
 name = "low"
 through = [0, 0, 100]
@@ -178,7 +177,7 @@ name = "push"
 on = "column.top"
 traction = ["0.002 MPa", "0.001 MPa", "-0.004 MPa"]
 "#;
-    let (_, model) = deck_and_model(&format!("{HEAD}{scene}"));
+    let (_, model) = deck_and_model(&block([2, 1, 8], rest));
     let recording = completed(&model);
     let last = |name: &str| *column(&model, &recording, name).last().unwrap();
     // Tractions on 100 x 50 mm².
@@ -211,16 +210,7 @@ traction = ["0.002 MPa", "0.001 MPa", "-0.004 MPa"]
 /// A column under its weight: its middle carries the upper half.
 #[test]
 fn a_section_within_a_body_carries_the_weight_above_it() {
-    let scene = r#"
-[[blocks]]
-name = "column"
-size = [100, 50, 400]
-material = "stone"
-mesh = [1, 1, 4]
-
-[[supports]]
-on = "column.bottom"
-
+    let rest = r#"
 [[sections]]
 name = "middle"
 through = [0, 0, 200]
@@ -233,7 +223,7 @@ through = [0, 0, 100]
 kind = "gravity"
 tolerance = { residual = 1e-8 }
 "#;
-    let (_, model) = deck_and_model(&format!("{HEAD}{scene}"));
+    let (_, model) = deck_and_model(&block([1, 1, 4], rest));
     let recording = completed(&model);
     let weight = 1e-3 * 2e-9 * 100.0 * 50.0 * 400.0 * 9810.0;
     for (name, part) in [("middle_N_kN", 0.5), ("low_N_kN", 0.75)] {
