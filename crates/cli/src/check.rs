@@ -81,17 +81,12 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
         }
         Err(Unsound::Wrong(layer, error)) => {
             let errors: Vec<Value> = error.all().map(findings::error_json).collect();
-            let warnings: Vec<Value> = error
-                .warnings()
-                .iter()
-                .map(findings::warning_json)
-                .collect();
             let object = json!({
                 "file": file,
                 "ok": false,
                 "layer": layer.name(),
                 "errors": errors,
-                "warnings": warnings,
+                "warnings": error.warnings(),
             });
             (object, Err(Failure::ToldModel))
         }
@@ -101,7 +96,6 @@ fn print_json(path: &std::path::Path, found: Result<Sound, Unsound>) -> Result<(
             warnings,
         }) => {
             let report = wythe_core::deck::check(&deck, &model);
-            let warnings: Vec<Value> = warnings.iter().map(findings::warning_json).collect();
             let object = json!({
                 "file": file,
                 "ok": true,

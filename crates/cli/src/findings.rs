@@ -117,17 +117,6 @@ pub fn error_json(error: &ModelError) -> Value {
     })
 }
 
-/// JSON object of a warning.
-pub fn warning_json(warning: &Warning) -> Value {
-    json!({
-        "key": warning.key,
-        "line": warning.line,
-        "column": warning.column,
-        "message": warning.message,
-        "others": warning.others,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

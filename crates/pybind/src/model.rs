@@ -168,7 +168,7 @@ impl Deck {
                 "ok": false,
                 "title": self.said.title,
                 "errors": error.all().map(|error| error_json(error, self.text)).collect::<Vec<_>>(),
-                "warnings": error.warnings().iter().map(warning_json).collect::<Vec<_>>(),
+                "warnings": error.warnings(),
                 "notes": [],
                 "sizes": null,
                 "memory_MB": null,
@@ -180,7 +180,7 @@ impl Deck {
                     "ok": true,
                     "title": report.title,
                     "errors": [],
-                    "warnings": warnings.iter().map(warning_json).collect::<Vec<_>>(),
+                    "warnings": warnings,
                     "notes": report.notes,
                     "sizes": report.sizes,
                     "memory_MB": report.memory_mb,
@@ -218,10 +218,13 @@ impl Deck {
             along,
             ..LimitSettings::default()
         };
-        let Ok((model, _)) = &*built else {
+        let Ok((model, warnings)) = &*built else {
             return Err(errors::bug("a sound model is none"));
         };
-        let found = py.detach(|| FoundLimit::of(model.clone(), &settings));
+        let found = py.detach(|| {
+            let warnings = warnings.clone();
+            FoundLimit::of(model.clone(), &settings).map(|found| FoundLimit { warnings, ..found })
+        });
         LimitOfModel::of(py, found)
     }
 
@@ -253,15 +256,5 @@ fn error_json(error: &ModelError, text: Text) -> Value {
         "column": column,
         "message": error.message(),
         "fix": errors::in_python(error.advice()),
-    })
-}
-
-fn warning_json(warning: &Warning) -> Value {
-    json!({
-        "key": warning.key,
-        "line": warning.line,
-        "column": warning.column,
-        "message": warning.message,
-        "others": warning.others,
     })
 }
