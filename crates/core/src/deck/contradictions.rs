@@ -22,8 +22,8 @@ fn holders<'a>(beam: &Beam, axis: usize, supports: &'a [Support]) -> Option<Vec<
 struct Shared<'a> {
     /// Names of the supports.
     names: Vec<&'a str>,
-    /// "all", or the number of nodes of how many.
-    part: String,
+    /// Number of these nodes, and that of all nodes of the face; none if they are all.
+    part: Option<[usize; 2]>,
 }
 
 /// Supports on ground that hold some of the nodes which a beam moves along an axis, if any does.
@@ -45,7 +45,7 @@ fn shared<'a>(beam: &Beam, axis: usize, supports: &'a [Support]) -> Option<Share
             names.push(support.name.as_str());
         }
     }
-    let part = format!("{} of the {} nodes", held.len(), moved.len());
+    let part = Some([held.len(), moved.len()]);
     (!held.is_empty()).then_some(Shared { names, part })
 }
 
@@ -75,10 +75,7 @@ pub(super) fn judge(
                 }
                 continue;
             };
-            let shared = Shared {
-                names,
-                part: "all".to_owned(),
-            };
+            let shared = Shared { names, part: None };
             for (i, step) in steps.iter_mut().enumerate() {
                 let motion = &mut step.motion[b][axis];
                 if let Some(does) =
@@ -183,10 +180,9 @@ fn message(
     does: Does,
 ) -> (String, String) {
     let of = &deck.steps[i];
-    let is_whole = shared.part == "all";
     let (key, verb) = match does {
         Does::Drives | Does::DrivesPart => ("face", "drives it"),
-        Does::Presses if is_whole => ("face", "presses it: no force reaches the body"),
+        Does::Presses if shared.part.is_none() => ("face", "presses it: no force reaches the body"),
         Does::Presses => ("face", "presses it"),
         Does::Frees => ("free", "leaves it free"),
     };
@@ -196,11 +192,15 @@ fn message(
         ("free", _) if of.free.is_none() => "vertical",
         (key, _) => key,
     };
+    let part = match shared.part {
+        Some([held, all]) => format!("{held} of the {all} nodes"),
+        None => "all".to_owned(),
+    };
     let direction = ["x", "y", "z"][axis];
     let message = format!(
         "the support on {} holds {} of {} in {direction}, in which step {i} ({}) {verb}",
         shared.names.join(" and on "),
-        shared.part,
+        part,
         beam.name,
         of.name()
     );
