@@ -8,6 +8,7 @@ use crate::deck::bodies::Bodies;
 use crate::deck::body::Body;
 use crate::deck::joint::law_between;
 use crate::deck::meeting::Touching;
+use crate::deck::pairing::TOUCHES;
 use crate::deck::quantity::Quantity;
 use crate::deck::schema::Deck;
 use crate::element::hexahedron::{Face, range};
@@ -38,11 +39,19 @@ const MASTERS: [Face; 6] = [
     Face::Top,
 ];
 
-/// Faces touch if they overlap by more than this [mm] and their distance is no larger.
+/// Largest distance of faces that touch [mm].
 const TOUCH: f64 = 1e-6;
 
-/// Faces that overlap by less than this [mm] share no joint: coordinates of decks are rounded.
-const LEAST_OVERLAP: f64 = 2e-3;
+/// Whether two ranges [mm] overlap by more than their ends may be rounded in a deck.
+fn overlaps(a: [f64; 2], b: [f64; 2]) -> bool {
+    let shorter = (a[1] - a[0]).min(b[1] - b[0]);
+    overlap(a, b) > TOUCHES * shorter
+}
+
+/// Length that two ranges share [mm]; negative if they share none.
+fn overlap(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[1].min(b[1]) - a[0].max(b[0])
+}
 
 /// A face of a unit as a rectangle.
 struct Rectangle {
@@ -422,11 +431,8 @@ fn pairs_of(
             if (low.plane - high.plane).abs() > TOUCH {
                 continue;
             }
-            let overlap = |d: usize| {
-                let (a, b) = (high.range[d], low.range[d]);
-                a[1].min(b[1]) - a[0].max(b[0])
-            };
-            if low.body == high.body || overlap(0) <= LEAST_OVERLAP || overlap(1) <= LEAST_OVERLAP {
+            let share = |d: usize| overlaps(high.range[d], low.range[d]);
+            if low.body == high.body || !(share(0) && share(1)) {
                 continue;
             }
             if !is_joined(low, high) {
@@ -539,14 +545,12 @@ fn facets_at(
 fn most_covering<'a>(facet: &Facet, others: impl Iterator<Item = &'a Facet>) -> Option<&'a Facet> {
     let mut parts: Vec<(&'a Facet, f64)> = Vec::new();
     for other in others {
-        let overlap = |d: usize| {
-            let (a, b) = (facet.range[d], other.range[d]);
-            (a[1].min(b[1]) - a[0].max(b[0])).max(0.0)
-        };
-        let area = overlap(0) * overlap(1);
-        if area <= TOUCH * TOUCH || (facet.plane - other.plane).abs() > TOUCH {
+        let share = |d: usize| overlaps(facet.range[d], other.range[d]);
+        if !(share(0) && share(1)) || (facet.plane - other.plane).abs() > TOUCH {
             continue;
         }
+        let shared = [0, 1].map(|d| overlap(facet.range[d], other.range[d]));
+        let area = shared[0] * shared[1];
         let alike = |m: &Facet| m.body == other.body && m.material == other.material;
         match parts.iter_mut().find(|(m, _)| alike(m)) {
             Some((_, sum)) => *sum += area,
