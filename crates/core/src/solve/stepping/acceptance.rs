@@ -21,7 +21,7 @@ const BREAKS: f64 = 0.005;
 /// Least stiffness over that of the longer attempt before, if that one passed a peak [-].
 const STIFFER: f64 = 1.05;
 /// Largest part of all work done that an increment may leave unaccounted for: half of the bound for a run.
-const LOST: f64 = 5e-3;
+pub(super) const LOST: f64 = 5e-3;
 /// Part of a branch of the amplitude by which a path may slide back beyond its start.
 const BACK: f64 = 0.02;
 /// Largest energy gain in an impact, as a part of the change of the kinetic energy or of the elastic energy, whichever is

@@ -27,6 +27,7 @@
 //! Where the prediction of the first sub-increment is wrong, the drive pulls the structure through its dashpots. This
 //! work is none of the structure: the drive's work is that of its forces at both ends of the relaxation.
 
+use super::acceptance::LOST;
 use super::path::Advance;
 use super::run::Run;
 use super::step_run::{IncrementRequest, StepRun};
@@ -36,7 +37,7 @@ use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::convergence::Balance;
 use crate::solve::increment::outcome::{Attempt, Outcome, Problem, Report, Solves};
-use crate::state::{Method, State};
+use crate::state::{Energies, Method, State};
 
 /// Dashpots of one sub-increment.
 #[derive(Clone, Debug)]
@@ -183,14 +184,23 @@ impl Run<'_> {
         let (mut softening, mut loads) = (Softening::default(), true);
         let mut at_rest = false;
         let mut driven = 0.0;
+        let work = self.energy_watch.work().max(self.state.energies.taken());
         for _ in 0..MOST {
             if let Some(dashpots) = &mut step_run.newton.dashpots {
                 let factor = if at_rest { 0.0 } else { softening.factor };
                 (dashpots.factor, dashpots.loads) = (factor, loads);
             }
-            let report = match self.relax_once(step_run, request, loads, recorder) {
-                Outcome::Converged(report) => report,
-                Outcome::Rejected(_, spent) => {
+            let (report, spent) = match self.relax_once(step_run, request, loads, recorder) {
+                Outcome::Converged(report) => {
+                    // What makes energy has come to another equilibrium, far away.
+                    let made = self.energy_made(step_run);
+                    ((made <= LOST * work).then_some(report), report.iterations)
+                }
+                Outcome::Rejected(_, spent) => (None, spent),
+            };
+            let report = match report {
+                Some(report) => report,
+                None => {
                     step_run.attempts.solves += spent;
                     if at_rest {
                         return None; // only dashpots held it
@@ -237,6 +247,19 @@ impl Run<'_> {
             }
         }
         None
+    }
+
+    /// Energy that solids, joints and dashpots take in the sub-increment that ends at the trial beyond the work done
+    /// [N mm].
+    fn energy_made(&self, step_run: &StepRun) -> f64 {
+        let (newton, state) = (&step_run.newton, &self.state);
+        let ways = newton.q().iter().zip(&state.q);
+        let dq: Vec<f64> = ways.map(|(q, start)| q - start).collect();
+        let energies = newton
+            .account(&self.system, state, &self.trial, &dq)
+            .energies;
+        let taken = |e: &Energies| e.taken() + e.damping - e.external;
+        taken(&energies) - taken(&state.energies)
     }
 
     /// Takes the work by which the drive pulled dashpots, a part of `driven` since `saved`, off work and damping
