@@ -145,26 +145,38 @@ pub struct Reach {
     pub radius: f64,
     /// Distance beyond the rim of the surface, over half the facet [-].
     pub rim: f64,
+    /// Largest difference of the heights of flush facets [mm]: a point keeps to the rim of its facet beside a step.
+    pub flush: f64,
     /// Whether the point is held by its facet: it keeps it however deep it is pressed, and other facets take it at up
     /// to twice that depth.
     pub held: bool,
 }
 
+/// Part of its present distance by which that to the next facet may differ where a point changes to it.
+const STEP: f64 = 0.5;
+
 /// The facet that a point faces. The point keeps its present facet while it stays on it. Otherwise it takes the
 /// nearest candidate onto which it projects. Otherwise it takes the nearest candidate beyond whose edge it lies by no
 /// more than [`STAY`] of the half facet, or by `rim` if it faced a facet before. Ties go to the lowest number. `None`
-/// without such a facet within reach.
+/// without such a facet within reach. Where the next facet is of another body and lies higher or lower than the present
+/// one, so that the traction would jump, the point stays with the present one up to `rim` beyond its edge.
 pub fn pair_point(
     point: &Vector3<f64>,
     present: Option<(u32, [f64; 2])>,
     candidates: &[u32],
     master: &Surface,
     x: &[[f64; 3]],
-    Reach { radius, rim, held }: Reach,
+    Reach {
+        radius,
+        rim,
+        flush,
+        held,
+    }: Reach,
 ) -> Option<(u32, [f64; 2])> {
     let mut deep = radius;
     let near =
         |foot: &Projection, deep: f64| foot.distance <= if foot.gap < 0.0 { deep } else { radius };
+    let mut at_rim: Option<(u32, Projection)> = None;
     if let Some((facet, xi)) = present
         && let Some(foot) = extend(point, &master.corners(facet as usize, x), xi)
     {
@@ -174,9 +186,10 @@ pub fn pair_point(
         if within(foot.xi, STAY) && near(&foot, deep) {
             return Some((facet, foot.xi));
         }
+        at_rim = (within(foot.xi, rim) && near(&foot, deep)).then_some((facet, foot));
     }
     let most = if present.is_some() { rim } else { STAY };
-    let mut best: Option<(bool, f64, u32, [f64; 2])> = None;
+    let mut best: Option<(bool, f64, u32, Projection)> = None;
     for &facet in candidates {
         let Some(foot) = extend(point, &master.corners(facet as usize, x), [0.0; 2]) else {
             continue;
@@ -191,25 +204,40 @@ pub fn pair_point(
             foot.distance
         };
         if best.is_none_or(|(o, d, _, _)| (over, distance) < (o, d)) {
-            best = Some((over, distance, facet, foot.xi));
+            best = Some((over, distance, facet, foot));
         }
     }
-    best.map(|(_, _, facet, xi)| (facet, xi))
+    let (over, _, facet, foot) = best?;
+    match at_rim {
+        Some((present, rim)) if !over => {
+            let [pressed, next] = [rim.gap, foot.gap].map(|gap| gap.min(0.0));
+            let other = master.body[facet as usize] != master.body[present as usize];
+            let is_step = other && (next - pressed).abs() > flush + STEP * pressed.abs();
+            let (facet, foot) = if is_step {
+                (present, rim)
+            } else {
+                (facet, foot)
+            };
+            Some((facet, foot.xi))
+        }
+        _ => Some((facet, foot.xi)),
+    }
 }
 
 /// The nearest point on the rim of a surface for a point beyond it, with the facet. `None` if the point projects onto
-/// a candidate, or is farther than `radius` [mm] from the planes of all candidates.
+/// a candidate, or is farther than `radius` [mm] from the planes of all candidates, or more than `deep` [mm] behind them:
+/// it lies beside those.
 pub fn rim_point(
     point: &Vector3<f64>,
     candidates: &[u32],
     master: &Surface,
     x: &[[f64; 3]],
-    radius: f64,
+    [radius, deep]: [f64; 2],
 ) -> Option<(u32, Projection)> {
     let mut best: Option<(u32, Projection)> = None;
     for &facet in candidates {
         let foot = project(point, &master.corners(facet as usize, x));
-        if foot.gap.abs() > radius {
+        if foot.gap > radius || foot.gap < -deep {
             continue;
         }
         if foot.inside {

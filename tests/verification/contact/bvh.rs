@@ -13,6 +13,7 @@ fn within(radius: f64) -> Reach {
     Reach {
         radius,
         rim: RIM,
+        flush: f64::INFINITY,
         held: false,
     }
 }

@@ -39,7 +39,10 @@ const SKIN: f64 = 0.03;
 const BEHIND: f64 = 1e-5;
 /// Height of a step that a point may climb from one facet to the next, over the same edge: settlement and rotation
 /// in a cracked wall. A higher step is the side of another body.
-const STEP: f64 = 0.01;
+const STEP: f64 = 1e-3;
+/// Height of a step between bodies over the same edge, up to which a point changes to the next one as soon as it passes
+/// the rim: a step of rounding.
+const FLUSH: f64 = 1e-5;
 /// Distance of bonded faces at rest, over the same edge, up to which they count as touching: coordinates are rounded.
 const TOUCHES: f64 = 1e-3;
 /// The same below which a distance is rounding.
@@ -89,6 +92,8 @@ struct Distances {
     behind: f64,
     /// Depth behind the next facet up to which a point may come to it from another facet [mm].
     step: f64,
+    /// Largest difference of the heights of flush facets [mm].
+    flush: f64,
 }
 
 /// Contact points of all slave facets, and the parts of them that count; no parts if all count whole.
@@ -190,6 +195,7 @@ impl Contact {
                 skin: SKIN * edge,
                 behind: 0.5 * BEHIND * edge,
                 step: STEP * edge,
+                flush: FLUSH * edge,
             },
             searched_at: Vec::new(),
             searched_deep: 0.0,

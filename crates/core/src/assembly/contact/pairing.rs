@@ -163,6 +163,7 @@ impl Contact {
             Reach {
                 radius: self.distances.radius,
                 rim: self.distances.rim,
+                flush: self.distances.flush,
                 held,
             },
         )
@@ -188,7 +189,7 @@ impl Contact {
     }
 
     /// Depth of a point behind the facet of its pair [mm]; 0 without one, and in front of it.
-    fn depth(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> f64 {
+    pub(super) fn depth(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> f64 {
         let Some(facet) = pair.facet else { return 0.0 };
         let point = self.position(p / 4, p % 4, x);
         let foot = extend(&point, &self.master.corners(facet as usize, x), pair.xi);

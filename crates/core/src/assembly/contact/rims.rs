@@ -9,7 +9,7 @@ use wythe_contact::pairs::{STAY, rim_point, stays_on};
 use wythe_contact::surface::{blend, weights_at};
 use wythe_contact::{PointPair, extend, frame_at};
 
-use super::Contact;
+use super::{Contact, Distances};
 use crate::assembly::Trial;
 use crate::model::Model;
 use crate::state::State;
@@ -74,13 +74,10 @@ impl Contact {
     ) -> Option<([f64; 4], PointPair)> {
         let f = p / 4;
         let point = self.position(f, p % 4, x);
-        let (facet, rim) = rim_point(
-            &point,
-            self.candidates.of(f),
-            &self.master,
-            x,
-            self.distances.radius,
-        )?;
+        let Distances { radius, step, .. } = self.distances;
+        let deep = (step + self.depth(p, before, x)).min(radius);
+        let candidates = self.candidates.of(f);
+        let (facet, rim) = rim_point(&point, candidates, &self.master, x, [radius, deep])?;
         let master = self.master.corners(facet as usize, x);
         let foot = extend(&point, &master, rim.xi)?;
         if stays_on(foot.xi) {
