@@ -165,6 +165,11 @@ impl Step {
         self.motion.iter().flatten().any(driven) || springs.any(|by| *by != 0.0)
     }
 
+    /// Whether it prescribes a displacement: that of a drive, or one that steers the load.
+    pub fn prescribes(&self) -> bool {
+        self.drives() || self.control.is_some()
+    }
+
     /// Whether the step changes loads or the direction of gravity, and drives nothing.
     pub fn only_loads(&self) -> bool {
         let turns = matches!(self.gravity, Gravity::Turning { .. });

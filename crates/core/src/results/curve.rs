@@ -4,7 +4,7 @@ use crate::model::Model;
 use crate::model::live::PartInCurve;
 use crate::model::scene::Step;
 use crate::state::Method;
-use crate::state::{HistoryRow, Motion};
+use crate::state::{ForceBy, HistoryRow, Motion};
 
 /// Displacement and force of the driven steps, in order, from the point where the drive begins.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,8 @@ pub struct StepOfCurve {
     pub other: bool,
     /// It seeks equilibria (procedure `auto`): inertia only leads from one equilibrium to the next.
     pub seeks_equilibrium: bool,
+    /// Its loads are given: no displacement drives or steers them.
+    pub loads: bool,
 }
 
 impl StepOfCurve {
@@ -41,6 +43,7 @@ impl StepOfCurve {
             driven: part == PartInCurve::Points,
             other: part == PartInCurve::Other,
             seeks_equilibrium: step.procedure.seeks_equilibrium(),
+            loads: !step.prescribes(),
         };
         parts.map(of).collect()
     }
@@ -74,8 +77,12 @@ impl Curve {
     /// drive. A later increment of a step without a drive (a pause) is ignored.
     pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
-        let has_inertia = of.seeks_equilibrium && row.procedure == Method::QuasiStatic;
-        let moving = self.motion.follow(row, has_inertia);
+        let by = match (of.seeks_equilibrium, row.procedure) {
+            (true, Method::QuasiStatic) if of.loads => ForceBy::Loads,
+            (true, Method::QuasiStatic) => ForceBy::Drive,
+            _ => ForceBy::Equilibrium,
+        };
+        let moving = self.motion.follow(row, by);
         if of.driven {
             self.points.push(point);
             self.moving.push(moving);

@@ -381,6 +381,7 @@ fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
                 .map(Some)
                 .contains(&name.as_str())
         }),
+        loads: !drives(step) && step.get("control").is_none(),
     };
     Some(steps.iter().map(of).collect())
 }

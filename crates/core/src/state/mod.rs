@@ -27,7 +27,7 @@ pub use first_damage::{CRACKED, CRUSHED, FirstDamage, Onset};
 pub use frame::{Frame, InterfaceFrame, InterfaceState, OutputField};
 pub use history_row::HistoryRow;
 pub use method::Method;
-pub use motion::Motion;
+pub use motion::{ForceBy, Motion};
 pub use pose::{PointPose, Poses};
 pub use summary::{Fall, FallenBody, Lost, Status, Summary};
 pub use tie::TieHistory;

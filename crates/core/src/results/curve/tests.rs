@@ -234,8 +234,8 @@ fn snaps(seeks_equilibrium: bool) -> Curve {
         };
         let of = StepOfCurve {
             driven: true,
-            other: false,
             seeks_equilibrium,
+            ..StepOfCurve::default()
         };
         curve.push(&row, of);
     }

@@ -87,7 +87,7 @@ impl Run<'_> {
     /// before count on: a path beyond their peak leads to lower ones.
     pub(in crate::solve) fn depart(&mut self, step_run: &StepRun, load_factor: f64) {
         let sense = step_run.sense();
-        let carried = if prescribes(step_run.step) {
+        let carried = if step_run.step.prescribes() {
             load_factor
         } else if let Some(load_factor) = step_run.branch.unstable_from {
             load_factor
@@ -128,7 +128,7 @@ impl Run<'_> {
         // Under little more than its limit load a block gains speed, but never much energy beside its friction.
         let slides = step_run.held > 0 && hastens;
         let moves = light || slides || is_moving(energies.kinetic, before, energies.taken());
-        if !prescribes(step_run.step) && !moves {
+        if !step_run.step.prescribes() && !moves {
             // The loads grow at rest: the wall carried those at the start of the increment. At its end it may have begun to
             // slide. A fall begins slowly, with a kinetic energy that grows from increment to increment.
             if !hastens {
@@ -157,7 +157,7 @@ impl Run<'_> {
         let gives_way = |body: &Moved| body.loaded && body.way() > part * body.edge + driven;
         let collapsed = if steered && bodies.iter().any(gives_way) {
             true
-        } else if prescribes(step_run.step) {
+        } else if step_run.step.prescribes() {
             fallen > MOST * mass(&|body| !body.held)
         } else {
             let moved = bodies.iter().filter(|body| body.way() > AT_END * body.edge);
@@ -204,7 +204,7 @@ impl Run<'_> {
             .as_ref()
             .is_some_and(|last| last.hastens);
         let flies = hastens && energies.kinetic > ACCELERATES * energies.elastic;
-        if !flies || !step.procedure.seeks_equilibrium() || prescribes(step) {
+        if !flies || !step.procedure.seeks_equilibrium() || step.prescribes() {
             return false;
         }
         let Some((bodies, driven)) = self.moved(step_run.index) else {
@@ -248,7 +248,7 @@ impl Run<'_> {
         else {
             return;
         };
-        let prescribes = prescribes(&self.model.steps[last]);
+        let prescribes = self.model.steps[last].prescribes();
         let part = if prescribes { 1.0 } else { AT_END };
         let falls = |body: &Moved| body.way() > part * body.edge + driven;
         let any = bodies.iter().any(falls);
@@ -324,11 +324,6 @@ impl Run<'_> {
         let size = length(gravity);
         gravity.map(|g| if size > 0.0 { g / size } else { 0.0 })
     }
-}
-
-/// Whether a step prescribes a displacement: that of a drive, or one that steers the load.
-fn prescribes(step: &Step) -> bool {
-    step.drives() || step.control.is_some()
 }
 
 /// Whether a load that changes in the step acts on a node. `[node]`

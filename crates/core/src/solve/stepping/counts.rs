@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::state::{HistoryRow, Motion};
+use crate::state::{ForceBy, HistoryRow, Motion};
 
 /// Counts increments with extrapolated solids, in which a unit snapped.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -149,10 +149,10 @@ pub struct Carried {
 }
 
 impl Carried {
-    /// Adds a committed increment; `has_inertia` if `auto` solved it with inertia; `viscous`: part of its force that
-    /// viscosity carries. Returns whether inertia carries its force.
-    pub fn add(&mut self, row: &HistoryRow, has_inertia: bool, viscous: f64) -> bool {
-        let moving = self.motion.follow(row, has_inertia);
+    /// Adds a committed increment; `by`: what gives its force; `viscous`: part of it that viscosity carries. Returns
+    /// whether inertia carries its force.
+    pub fn add(&mut self, row: &HistoryRow, by: ForceBy, viscous: f64) -> bool {
+        let moving = self.motion.follow(row, by);
         let force = row.force_kN.abs();
         if !moving {
             if force > self.peak {
