@@ -23,7 +23,7 @@ use crate::state::Frame;
 /// First bytes of the file.
 const MAGIC: [u8; 8] = *b"wythe\0cp";
 /// Version of the content; increased by every change of the data.
-const VERSION: u32 = 27;
+const VERSION: u32 = 28;
 /// Size of the header [byte].
 const HEAD: usize = 8 + 4 + 4 + 8;
 

@@ -227,6 +227,7 @@ impl Run<'_> {
             return None;
         }
         let passage = self.passage(step_run, request, report)?;
+        step_run.peak.note_way(&passage);
         if let (Some(start), None) = (step_run.peak.begins_at(), passage.linear) {
             let again = self.breaks_at_once(step_run, [start, passage.force], passage.size);
             let size = CUT * passage.size;

@@ -7,7 +7,7 @@ use super::step_run::{IncrementRequest, StepRun};
 use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::outcome::Report;
-use crate::state::{Energies, HistoryRow, Method, Status};
+use crate::state::{Energies, ForceBy, HistoryRow, Method, Status};
 
 /// Dissipation of an increment over the energy that it takes or releases, above which it measures the path.
 const SHARE: f64 = 0.02;
@@ -120,7 +120,12 @@ impl<'m> Run<'m> {
             _ => {}
         }
         let has_inertia = seeks && method == Method::QuasiStatic;
-        self.carried.add(row, has_inertia, viscous)
+        let by = match has_inertia {
+            true if step_run.step.prescribes() => ForceBy::Drive,
+            true => ForceBy::Loads,
+            false => ForceBy::Equilibrium,
+        };
+        self.carried.add(row, by, viscous)
     }
 
     /// Measures the path by the committed increment: its change `dq` of the displacements [mm] `[slot]` and `added`
@@ -182,6 +187,7 @@ impl<'m> Run<'m> {
             self.note(step_run, why, recorder);
             return;
         }
+        let ends = fallback.ends_path();
         if !fallback.take_first_again(report, moves, forth, load) {
             if fallback.exchange() {
                 self.adopt(step_run);
@@ -203,7 +209,11 @@ impl<'m> Run<'m> {
             self.state.last = None;
         }
         self.adopt(step_run);
-        let why = format!("{} has passed the trouble", request.method.name());
+        let why = if ends {
+            format!("{} leads no further", request.method.name())
+        } else {
+            format!("{} has passed the trouble", request.method.name())
+        };
         self.note(step_run, &why, recorder);
     }
 }

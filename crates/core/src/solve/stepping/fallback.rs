@@ -41,6 +41,8 @@ const PATIENCE: usize = 3;
 const MOST_LOST: u32 = 6;
 /// Rejections in a row after which secant tangents are given up, whatever the increment size.
 const STALLS: usize = 2;
+/// Most increments of a path in a row. One that leads nowhere goes to and fro.
+const LONGEST_PATH: usize = 300;
 /// Part of the loads at which a path began, below which it is left where loads are prescribed.
 const FALLEN: f64 = 0.5;
 /// Most solves of an increment with consistent tangents after which secant ones may be tried again.
@@ -91,6 +93,8 @@ pub struct Fallback {
     untroubled: usize,
     patience: usize,
     rising: usize,
+    /// Number of increments in a row along a path.
+    on_path: usize,
     /// Part of the loads at which the first method was left.
     left_at: f64,
     /// Number of paths that failed, and number of further troubles in which paths are skipped.
@@ -208,6 +212,7 @@ impl Fallback {
             untroubled: 0,
             patience: PATIENCE,
             rising: RISING,
+            on_path: 0,
             left_at: 0.0,
             lost: 0,
             passed_over: 0,
@@ -300,14 +305,17 @@ impl Fallback {
     ) -> Answer {
         let higher = self.at + 1 < self.choices.len();
         let comes_free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
-        let free = comes_free && size <= least.before_motion;
+        let would_move = comes_free && self.at < self.statics && self.inertia().is_some();
         let enough = match self.method() {
             _ if spent => true,
+            Method::Static | Method::DisplacementControl if would_move => {
+                size <= least.before_motion
+            }
             Method::Static | Method::DisplacementControl if self.at + 1 < self.statics => {
                 self.stalls += 1;
-                self.stalls >= STALLS || size <= least.of_statics || free
+                self.stalls >= STALLS || size <= least.of_statics
             }
-            Method::Static => size <= least.of_statics || (free && self.inertia().is_some()),
+            Method::Static => size <= least.of_statics,
             Method::DisplacementControl => size <= least.of_statics && self.inertia().is_some(),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
@@ -317,6 +325,11 @@ impl Fallback {
             (true, false) if spent => Answer::GiveUp,
             _ => Answer::Cut,
         }
+    }
+
+    /// Whether the path is left after this increment, wherever it leads.
+    pub fn ends_path(&self) -> bool {
+        self.method().follows_path() && self.on_path >= LONGEST_PATH
     }
 
     /// Whether a smaller increment is not worth an attempt.
@@ -435,6 +448,8 @@ impl Fallback {
     /// bodies still move; `added`: part of the load that the increment added; `load`: present part of the load.
     pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
+        let on_path = self.method().follows_path();
+        self.on_path = if on_path { self.on_path + 1 } else { 0 };
         if self.at == 0 {
             return false;
         }
@@ -448,6 +463,12 @@ impl Fallback {
             _ => (added > 0.0 && load >= self.left_at, self.rising),
         };
         self.untroubled = if passed { self.untroubled + 1 } else { 0 };
+        if self.on_path > LONGEST_PATH {
+            self.passed_over = 2 << self.lost.min(MOST_LOST);
+            self.lost += 1;
+            (self.at, self.untroubled, self.on_path) = (0, 0, 0);
+            return true;
+        }
         if self.untroubled < needed {
             return false;
         }

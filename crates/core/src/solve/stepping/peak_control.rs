@@ -54,6 +54,11 @@ pub(in crate::solve) struct PeakWatch {
     largest: [f64; 2],
     /// Largest rise of the force per part of the step in an increment.
     stiffest: f64,
+    /// The same times the force per unit of work ([`Passage::by_work`]): where a displacement elsewhere steers the load,
+    /// the elastic stiffness on its own way.
+    stiffest_on_way: f64,
+    /// Force per unit of work of the increment that is next to be recorded.
+    by_work: Option<f64>,
 }
 
 /// Data of an increment in equilibrium for the search of a hidden peak.
@@ -75,13 +80,20 @@ impl PeakWatch {
         if let Some([earlier, start]) = last
             && time > earlier
         {
-            let rise = (force - start).abs() / (time - earlier);
-            self.stiffest = self.stiffest.max(rise);
+            let rise = (force - start).abs();
+            self.stiffest = self.stiffest.max(rise / (time - earlier));
+            let on_way = self.by_work.take().map_or(0.0, |by_work| rise * by_work);
+            self.stiffest_on_way = self.stiffest_on_way.max(on_way);
         }
         self.last = [before, last, Some([time, force])];
         self.most = self.most.max(force.abs());
         let [positive, negative] = self.largest;
         self.largest = [positive.max(force), negative.max(-force)];
+    }
+
+    /// Notes the way of the increment that is next to be recorded.
+    pub(in crate::solve) fn note_way(&mut self, passage: &Passage) {
+        self.by_work = Some(passage.by_work.abs());
     }
 
     /// Largest magnitude of the force so far.
@@ -121,6 +133,20 @@ impl PeakWatch {
         }
         let resolves = (8.0 * part * force / kappa).sqrt().max(LEAST * size);
         (resolves < next).then_some(resolves)
+    }
+
+    /// Largest increment that hides no more than `part` of the force, should the force go on to rise as before and then
+    /// fall. Infinite where the force does not rise or is far below the largest.
+    pub(in crate::solve) fn resolves(&self, part: f64) -> f64 {
+        let [_, Some([earlier, before]), Some([time, force])] = self.last else {
+            return f64::INFINITY;
+        };
+        let rise = (force - before) * force.signum();
+        if rise > 0.0 && time > earlier && force.abs() >= NEAR * self.most {
+            part * force.abs() * (time - earlier) / rise
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Size of the repetition of an increment that ends at `time` with this `force`, if the parabola through its ends
@@ -217,9 +243,15 @@ impl PeakWatch {
             return Some(SHORTEST * size);
         }
         let yields = |stiffness: f64| (1.0 - secant / stiffness).max(YIELDS);
+        let on_way = (end - start) * by_work;
+        let inelastic = if is_first || self.stiffest_on_way == 0.0 {
+            yields(stiffest)
+        } else {
+            (1.0 - on_way / self.stiffest_on_way.max(on_way)).max(YIELDS)
+        };
         let forces = PARTS.iter().zip(&works.inelastic).map(|(&s, w)| {
             let most = most + s * (end - most);
-            let force = start + s * (end - start) + by_work * w / yields(stiffest);
+            let force = start + s * (end - start) + by_work * w / inelastic;
             (s, force, most)
         });
         let (s, force, most) = forces.max_by(|a, b| a.1.total_cmp(&b.1))?;

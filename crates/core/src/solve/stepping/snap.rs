@@ -125,8 +125,9 @@ impl<'m> Run<'m> {
         rejection: &Rejection,
     ) -> bool {
         let (loose, size) = (is_loose(rejection), request.increment.size);
-        // The first increment of a step is cut until the structure is elastic in it.
-        let is_resolved = !step_run.is_fresh() || size <= step_run.least().before_motion;
+        // The first increment of a step is cut until the structure is elastic in it, and others until they hide no peak.
+        let may_hide = step_run.is_fresh() || step_run.step.prescribes();
+        let is_resolved = !may_hide || size <= step_run.least().before_motion;
         let applies = match step_run.step.procedure {
             // A unit that comes loose in a wall finds its next support within the joint. Dry stones that nothing
             // presses yet are all loose, and bodies in general contact fly.

@@ -239,8 +239,8 @@ impl<'m> StepRun<'m> {
     }
 
     /// Sizes down to which the next static increment is cut. The first of a step is cut until the structure is elastic
-    /// in it, however far the step goes. A load at which bodies come loose is found to the part `increments.peak` of
-    /// itself. A drive goes on beyond that, and inertia carries the bodies at once.
+    /// in it, however far the step goes. A force at which bodies come loose is found to the part `increments.peak` of
+    /// itself. Below the largest force of a drive inertia carries the bodies at once.
     pub(in crate::solve) fn least(&self) -> Least {
         let (floor, increments) = (self.fallback.floor(), self.step.increments);
         let first = floor.min(FIRST * increments.initial);
@@ -261,7 +261,7 @@ impl<'m> StepRun<'m> {
             }
             // The limit of a stiff scene may lie within few of the smallest increments of a long drive.
             (false, false) => Least {
-                before_motion: f64::INFINITY,
+                before_motion: self.peak.resolves(increments.peak),
                 of_statics: floor.min(EARLY * self.schedule.done().abs()),
             },
         }
