@@ -231,6 +231,9 @@ fn text(model: &Model, found: &LimitAnalysis, settings: &LimitSettings) -> Strin
         speed > 1e-2
     });
     line("mechanism", format!("{} units move", moving.count()));
+    if let Some(note) = &found.note {
+        text += &format!("note: {note}\n");
+    }
     text + &warnings(found)
 }
 

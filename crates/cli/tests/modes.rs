@@ -103,6 +103,70 @@ fn a_cracked_pier_vibrates_more_slowly_than_a_whole_one() {
     );
 }
 
+/// A block on springs that a load moves by 1 mm before a step ties it to a held one.
+const TIED: &str = r#"
+format = 1
+[materials.stone]
+E = "10 GPa"
+nu = 0
+density = "2000 kg/m^3"
+[[blocks]]
+name = "ground"
+size = [100, 100, 100]
+at = [-600, 0, 0]
+material = "stone"
+[[blocks]]
+name = "block"
+size = [100, 100, 100]
+material = "stone"
+[[springs]]
+name = "soil"
+on = "block"
+stiffness = [100, 100, 100]
+[[supports]]
+on = "ground"
+[[ties]]
+name = "rod"
+points = [[-500, 50, 50], [0, 50, 50]]
+area = 1
+E = "200 GPa"
+f_y = "100 MPa"
+step = "later"
+[[steps]]
+kind = "load"
+loads = [{ name = "pull", on = "block", force = [100, 0, 0] }]
+[[steps]]
+kind = "load"
+name = "later"
+loads = [{ name = "pull", on = "block", force = [110, 0, 0] }]
+[output]
+every = 1
+"#;
+
+#[test]
+fn a_tie_is_there_from_its_step_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("tied.toml").display().to_string();
+    std::fs::write(&deck, TIED).unwrap();
+    let run = wythe(&["run", &deck, "--quiet", "--threads", "1"]);
+    assert_eq!(code(&run), 0, "{}", stderr(&run));
+    let out = folder.path().join("tied.out").display().to_string();
+    let along = |found: &Value| {
+        let rows = found["modes"].as_array().unwrap();
+        let part = |row: &&Value| row["effective_part"][0].as_f64().unwrap() > 0.9;
+        rows.iter().find(part).unwrap()["frequency_Hz"]
+            .as_f64()
+            .unwrap()
+    };
+    let before = along(&modes(&[&out, "--frame", "0"]));
+    let after = along(&modes(&[&out]));
+    // 2 kg on 100 N/mm, and with 400 N/mm of the rod beside them.
+    for (found, stiffness) in [(before, 100.0_f64), (after, 500.0)] {
+        let closed = (stiffness / 2e-3).sqrt() / std::f64::consts::TAU;
+        assert!((found / closed - 1.0).abs() < 1e-3, "{found} {closed}");
+    }
+}
+
 #[test]
 fn what_cannot_vibrate_is_said() {
     let folder = tempfile::tempdir().unwrap();

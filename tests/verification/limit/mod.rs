@@ -265,6 +265,22 @@ fn dry_walls_have_the_factors_of_linear_programs() {
     }
 }
 
+/// A wall of six polygonal stones, which falls in increments near its associated factor.
+#[test]
+fn a_note_tells_where_runs_may_carry_much_more() {
+    let model = read("tests/data/import/polygonal-stones.toml");
+    let found = analyse(&model, &along(0)).unwrap();
+    assert!(found.factor < 0.6 * found.associated_factor, "{found:?}");
+    let note = found.note.unwrap();
+    for factor in [found.factor, found.associated_factor] {
+        assert!(note.contains(&format!("{factor:.4}")), "{note}");
+    }
+    let bound = analyse(&model, &associated(along(0))).unwrap();
+    assert_eq!(bound.note, None);
+    let level = read("docs/validation/06-dry-blocks/wall-04-whole.toml");
+    assert_eq!(analyse(&level, &along(0)).unwrap().note, None);
+}
+
 /// Arches of flat-faced voussoirs, `arch_flat_faced.csv` beside the decks.
 #[test]
 fn arches_have_the_factors_of_linear_programs() {

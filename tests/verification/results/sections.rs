@@ -234,6 +234,131 @@ tolerance = { residual = 1e-8 }
     }
 }
 
+/// A beam of one block, held at one end, under a layer: its root carries what lies between the cut and its free end.
+#[test]
+fn a_load_on_the_nodes_of_a_cut_acts_on_both_parts() {
+    let text = format!(
+        "{HEAD}{}",
+        r#"
+[[blocks]]
+name = "beam"
+size = [400, 50, 100]
+material = "stone"
+mesh = [4, 1, 2]
+
+[[supports]]
+on = "beam.left"
+
+[[sections]]
+name = "middle"
+through = [200, 0, 0]
+normal = "x"
+
+[[sections]]
+name = "near"
+through = [100, 0, 0]
+normal = "x"
+
+[[steps]]
+kind = "load"
+tolerance = { residual = 1e-6 }
+[[steps.loads]]
+name = "layer"
+on = "beam.top"
+traction = [0, 0, "-0.01 MPa"]
+"#
+    );
+    let (_, model) = deck_and_model(&text);
+    let recording = completed(&model);
+    let last = |name: String| *column(&model, &recording, &name).last().unwrap();
+    for (name, length) in [("middle", 200.0), ("near", 300.0)] {
+        let load = 1e-3 * 0.01 * 50.0 * length;
+        let shear = last(format!("{name}_Vz_kN"));
+        let moment = last(format!("{name}_My_kNm"));
+        // Forces balance to 1e-6 of the mean nodal force; the beam bends by 0.03 mm.
+        assert!((shear / -load - 1.0).abs() < 1e-5, "{name}: {shear}");
+        let expected = load * 5e-4 * length;
+        assert!((moment / expected - 1.0).abs() < 1e-3, "{name}: {moment}");
+    }
+}
+
+/// Two blocks that a third on both of them joins, which is pulled through the joints below it.
+const LINKED: &str = r#"format = 1
+[materials.brick]
+E = "8 GPa"
+nu = 0.2
+
+[interfaces.joint]
+f_t = "2 MPa"
+G_I = "1000 N/m"
+c = "3 MPa"
+G_II = "5000 N/m"
+tan_phi = 0.75
+mu = 0.75
+zeta = 4.38
+xi = 1.1
+normal_stiffness = "100 N/mm^3"
+shear_stiffness = "50 N/mm^3"
+
+[[blocks]]
+name = "A"
+size = [200, 100, 100]
+material = "brick"
+
+[[blocks]]
+name = "B"
+size = [200, 100, 100]
+at = [220, 0, 0]
+material = "brick"
+
+[[blocks]]
+name = "C"
+size = [220, 100, 100]
+at = [100, 0, 100]
+material = "brick"
+mesh = [2, 1, 1]
+
+[[contacts]]
+interface = "joint"
+
+[[supports]]
+on = "A.left"
+
+[[sections]]
+name = "link"
+through = [215, 0, 0]
+normal = "x"
+
+[[sections]]
+name = "back"
+through = [215, 0, 0]
+normal = "-x"
+
+[[steps]]
+kind = "load"
+tolerance = { residual = 1e-4 }
+loads = [{ name = "pull", on = "B.right", force = ["1 kN", 0, 0] }]
+"#;
+
+/// The joints at the nodes of the cut carry what its elements do not.
+#[test]
+fn a_cut_through_a_body_has_the_forces_of_the_joints_beside_it() {
+    let (_, model) = deck_and_model(LINKED);
+    let recording = completed(&model);
+    let last = |name: &str| *column(&model, &recording, name).last().unwrap();
+    // The middle of the cut lies 100 mm above the force.
+    for (name, sign) in [("link", 1.0), ("back", -1.0)] {
+        let found = ["N_kN", "Vy_kN", "Vz_kN", "My_kNm"].map(|of| last(&format!("{name}_{of}")));
+        let expected = [1.0, 0.0, 0.0, -0.1 * sign];
+        let scale = [1.0, 1.0, 1.0, 0.1];
+        for i in 0..4 {
+            let error = (found[i] - expected[i]).abs() / scale[i];
+            // The parts move by 0.05 mm against each other, a part of 5e-4 of the arm.
+            assert!(error < 2e-3, "{name} {i}: {found:?} {expected:?}");
+        }
+    }
+}
+
 #[test]
 fn halves_show_the_sections_of_the_whole() {
     let [(model, full), (reduced, auto)] = both(&strong(""));

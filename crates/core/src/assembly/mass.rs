@@ -238,7 +238,7 @@ impl Mass {
 }
 
 /// Masses of the nodes of an element [tonne], their parts of its mass.
-pub(super) fn nodal_masses(model: &Model, bulk: &Bulk, element: usize) -> [f64; 8] {
+fn nodal_masses(model: &Model, bulk: &Bulk, element: usize) -> [f64; 8] {
     let density = density(model, element);
     nodal_volumes(&bulk.shape(element).weight).map(|volume| density * volume)
 }
@@ -250,7 +250,7 @@ fn density(model: &Model, element: usize) -> f64 {
 }
 
 /// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
-fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
+pub(super) fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
     CORNERS.map(|a| {
         let points = CORNERS.iter().zip(weight);
         points.map(|(g, w)| w * shape(a, *g)).sum()

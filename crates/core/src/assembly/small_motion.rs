@@ -4,6 +4,7 @@
 use super::pattern::CELL;
 use super::{Evaluation, Solids, System, Trial, Turning};
 use crate::material::LocalFailure;
+use crate::model::ties::{Installed, TieStage};
 use crate::state::State;
 
 /// A contact point that faces a master facet.
@@ -11,6 +12,8 @@ use crate::state::State;
 pub struct PointMotion {
     /// Number of the point. `[slave facet][point]`
     pub point: usize,
+    /// The master facet that it faces.
+    pub facet: u32,
     /// Its normal gap [mm].
     pub gap: f64,
     /// Its area [mm²].
@@ -18,6 +21,20 @@ pub struct PointMotion {
 }
 
 impl System {
+    /// Installs ties in a state, and leaves out in the trial those that are not there yet. `since`: empty, or of each tie.
+    pub fn install_ties(&self, since: &[Installed<'_>], state: &mut State, trial: &mut Trial) {
+        let stage = |since: &Installed<'_>| match since {
+            Installed::Later => TieStage::Absent,
+            Installed::AtRest | Installed::At(_) => TieStage::Fixed,
+        };
+        trial.ties.stages = since.iter().map(stage).collect();
+        for (tie, since) in since.iter().enumerate() {
+            if let Installed::At(u) = since {
+                self.ties.install(tie, u, &mut state.ties);
+            }
+        }
+    }
+
     /// Writes the stiffness about the displacements `q` to the cells of the trial: solids with the damage of the
     /// state and the stiffness of their stress, joints by `joint`, springs, ties. General contact and follower pressures
     /// have no part. The trial must have been started from the state.

@@ -87,14 +87,24 @@ impl Springs {
         })
     }
 
+    /// Forces of the springs on their nodes, as of [`Self::forces`], by node [N].
+    pub fn nodal_forces<'a>(
+        &'a self,
+        u: &'a [[f64; 3]],
+        ends: &'a [[f64; 3]],
+    ) -> impl Iterator<Item = (u32, [f64; 3])> + 'a {
+        let springs = self.nodes.iter().zip(self.forces(u, ends));
+        springs.flat_map(|(nodes, force)| {
+            let share = force.map(|f| f / nodes.len().max(1) as f64);
+            nodes.iter().map(move |n| (*n, share))
+        })
+    }
+
     /// Adds the internal forces of the springs to those of the nodes [N].
     pub fn add_forces(&self, u: &[[f64; 3]], ends: &[[f64; 3]], node_force: &mut [[f64; 3]]) {
-        for (nodes, force) in self.nodes.iter().zip(self.forces(u, ends)) {
-            let share = force.map(|f| f / nodes.len().max(1) as f64);
-            for &n in nodes {
-                for i in 0..3 {
-                    node_force[n as usize][i] -= share[i];
-                }
+        for (n, share) in self.nodal_forces(u, ends) {
+            for i in 0..3 {
+                node_force[n as usize][i] -= share[i];
             }
         }
     }

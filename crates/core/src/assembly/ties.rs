@@ -12,6 +12,9 @@ use crate::state::{State, TieHistory};
 
 /// Nodes of half a cell.
 const HALF: usize = 4;
+/// Strain up to which a tie that was installed without stress and shortened counts as taut in small motions: a
+/// thousandth of a millimetre a metre, less than rods are straight.
+const TAUT: f64 = 1e-6;
 
 /// Segments of the ties of a model.
 #[derive(Clone, Debug, Default)]
@@ -141,6 +144,15 @@ impl Ties {
     /// Histories at rest. `[segment]`
     pub fn virgin(&self) -> Vec<TieHistory> {
         vec![TieHistory::default(); self.segments.len()]
+    }
+
+    /// Installs a tie in these histories without stress at nodal displacements `u` [mm], for small motions about a later
+    /// state.
+    pub(super) fn install(&self, tie: usize, u: &[[f64; 3]], histories: &mut [TieHistory]) {
+        let segments = self.segments.iter().zip(histories);
+        for (segment, history) in segments.filter(|(segment, _)| segment.tie == tie) {
+            history.offset = 1.0 - size(segment.way_at(u)) / segment.length + TAUT;
+        }
     }
 
     /// Evaluates all segments at the positions of the trial and adds their forces to those of the nodes.

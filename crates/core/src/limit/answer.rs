@@ -48,6 +48,8 @@ pub struct LimitAnalysis {
     pub ties: Vec<TieForce>,
     /// Lightest body if it is so light that a mechanism of it alone may be missed, else `None`.
     pub light_body: Option<LightBody>,
+    /// Remark where the factor is far below the associated one, else `None`.
+    pub note: Option<String>,
 }
 
 /// A body with a small part of the dead loads on others that it acts on.
@@ -106,7 +108,25 @@ pub struct TieForce {
     pub force: f64,
 }
 
+/// Part of the associated factor below which the factor without dilatancy tells little of what runs carry.
+const APART: f64 = 0.8;
+
 impl RigidScene<'_> {
+    /// Remark on a factor that is far below the associated one.
+    pub(super) fn note(&self, factor: f64, associated: f64) -> Option<String> {
+        if factor.abs() >= APART * associated.abs() {
+            return None;
+        }
+        let [low, high] = [factor, associated].map(|factor| match self.force(factor) {
+            Some(force) => format!("{force:.4} kN"),
+            None => format!("{factor:.4}"),
+        });
+        Some(format!(
+            "without dilatancy the solution is not unique: {low} is a low one, and runs in increments may carry \
+             anything up to the associated {high}"
+        ))
+    }
+
     /// Number of bodies that can move, of joints, and of their corners.
     pub(super) fn sizes(&self) -> [usize; 3] {
         let bodies = self.bodies.all.iter();

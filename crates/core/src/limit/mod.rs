@@ -185,5 +185,6 @@ pub fn analyse_told(
         joints: scene.joint_forces(best),
         ties: scene.tie_forces(best),
         light_body: scene.light_body(),
+        note: scene.note(best.factor, associated_factor),
     })
 }

@@ -69,6 +69,18 @@ pub enum TieStage {
     Stressed(f64),
 }
 
+/// When a tie was installed, seen from a later state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Installed<'a> {
+    /// At rest.
+    #[default]
+    AtRest,
+    /// Free of stress at these displacements [mm]. `[node][xyz]`
+    At(&'a [[f64; 3]]),
+    /// It is not there yet.
+    Later,
+}
+
 impl TieStage {
     /// Stage at a load factor.
     pub(crate) fn at(&self, factor: f64) -> Self {

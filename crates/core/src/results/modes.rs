@@ -14,13 +14,14 @@ use serde::Serialize;
 
 use super::output::DECK;
 use super::plotting::shape::shape;
-use super::snapshot::Snapshots;
+use super::snapshot::{Snapshot, Snapshots};
 use super::{FrameChoice, ReadError, RunFolder, VtkHdfWriter};
 use crate::deck::Deck;
 use crate::error::{DeckError, IoError};
 use crate::files::write_whole;
 use crate::model::Model;
-use crate::model::ties::TieStage;
+use crate::model::scene::Step;
+use crate::model::ties::{Installed, TieStage};
 use crate::solve::vibration::{About, Mode, Modes, VibrationError, modes};
 use crate::state::{Frame, InterfaceFrame, InterfaceState, OutputField};
 
@@ -171,11 +172,15 @@ impl FoundModes {
         }
         let deck = folder.place(Deck::load(&file, &[])?);
         let (model, _) = Model::from_deck(&deck).map_err(DeckError::from)?;
-        let snapshot = Snapshots::open(&folder)?.at(choice)?;
+        let snapshots = Snapshots::open(&folder)?;
+        let snapshot = snapshots.at(choice)?;
+        let starts = Starts::of(&model, &snapshots, &snapshot)?;
+        let ties: Vec<Installed<'_>> = starts.ties.iter().map(|at| starts.since(*at)).collect();
         let about = About::Frame {
             frame: &snapshot.frame,
             // As at rest, so that frequencies compare: what a later step drives is let go.
             step: 0,
+            ties: &ties,
         };
         let found = modes(&model, about, count)?;
         Ok(Self {
@@ -369,6 +374,54 @@ impl FoundModes {
             writer.append(&frame(&model, (i + 1) as f64, &mode.shape))?;
         }
         writer.publish()
+    }
+}
+
+/// Steps in which ties are installed, and the displacements before them.
+struct Starts {
+    /// Step in which each tie is installed. `[tie]`
+    ties: Vec<usize>,
+    /// Step of the frame.
+    now: usize,
+    /// Displacements as each of these steps begins [mm]. `[step][node][xyz]`
+    before: Vec<(usize, Vec<[f64; 3]>)>,
+}
+
+impl Starts {
+    /// Reads the displacements at which ties were installed before a frame. Without a step of the frame in the history all
+    /// count as installed at rest.
+    fn of(model: &Model, snapshots: &Snapshots, at: &Snapshot) -> Result<Self, ReadError> {
+        let absent = |tie: usize, step: &Step| step.ties.get(tie) == Some(&TieStage::Absent);
+        let start = |tie: usize| model.steps.iter().take_while(|s| absent(tie, s)).count();
+        let mut starts = Self {
+            ties: (0..model.ties.len()).map(start).collect(),
+            now: 0,
+            before: Vec::new(),
+        };
+        let Some(now) = snapshots.step_of(at.number) else {
+            starts.ties.clear();
+            return Ok(starts);
+        };
+        starts.now = now;
+        let mut steps = starts.ties.clone();
+        steps.sort_unstable();
+        steps.dedup();
+        for step in steps.into_iter().filter(|step| (1..=now).contains(step)) {
+            if let Some(frame) = snapshots.last_before(step) {
+                let before = snapshots.at(FrameChoice::Number(frame))?;
+                starts.before.push((step, before.frame.displacement));
+            }
+        }
+        Ok(starts)
+    }
+
+    /// When a tie was installed whose step this is.
+    fn since(&self, step: usize) -> Installed<'_> {
+        if step > self.now {
+            return Installed::Later;
+        }
+        let before = self.before.iter().find(|(of, _)| *of == step);
+        before.map_or(Installed::AtRest, |(_, u)| Installed::At(u))
     }
 }
 

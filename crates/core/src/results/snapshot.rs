@@ -168,6 +168,19 @@ impl Snapshots {
         best.map(|(frame, _)| frame)
     }
 
+    /// Step of a frame, from 0, as far as the history has it.
+    pub fn step_of(&self, frame: usize) -> Option<usize> {
+        let increment = *self.file.increments().get(frame)?;
+        let row = self.history.rows.get(increment.checked_sub(1)?)?;
+        Some(row.step)
+    }
+
+    /// The last frame before a step, in which the step before it ends; none if the step is the first.
+    pub fn last_before(&self, step: usize) -> Option<usize> {
+        let is_before = |frame: &usize| self.step_of(*frame).is_some_and(|of| of < step);
+        (0..self.count()).rev().find(is_before)
+    }
+
     /// External forces on beams, supports and loads at an increment, from 1 [N]; empty if the file has no such row.
     /// Names are paths, as `supports/bottom`.
     ///

@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector6;
+use rustc_hash::FxHashSet;
 use wythe_contact::JointLaw;
 
 use crate::assembly::{Equations, PointMotion, System, Trial, bulk::BulkError};
@@ -15,7 +16,8 @@ use crate::linear::eigen::{EigenError, EigenPair, MassMatrix, lowest};
 use crate::material::damage_plasticity::tension_weight;
 use crate::material::{LocalFailure, MaterialHistory, MaterialParameters};
 use crate::model::Model;
-use crate::model::scene::{BeamMotion, Step};
+use crate::model::scene::{BeamMotion, HeldBy, Step};
+use crate::model::ties::Installed;
 use crate::state::{Frame, State};
 
 /// Part of the mean edge of the facets up to which the gap of a joint at rest counts as rounding.
@@ -34,6 +36,8 @@ pub enum About<'a> {
         frame: &'a Frame,
         /// Step of the frame, whose beams are free or held.
         step: usize,
+        /// When each tie was installed. Empty: all at rest. `[tie]`
+        ties: &'a [Installed<'a>],
     },
 }
 
@@ -151,9 +155,14 @@ impl<'a> Vibration<'a> {
         let mut system = System::deformable(model)?;
         let mut state = system.initial_state(model);
         let mut step = 0;
-        if let About::Frame { frame, step: of } = about {
+        if let About::Frame {
+            frame,
+            step: of,
+            ties,
+        } = about
+        {
             step = of;
-            check(model, frame)?;
+            check(model, frame, ties)?;
             for (slot, q) in state.q.iter_mut().enumerate() {
                 let (node, _) = system.dofs.node_of(slot);
                 if let Some(u) = frame.displacement.get(node) {
@@ -185,6 +194,9 @@ impl<'a> Vibration<'a> {
         let mass = self.mass()?;
         let mut trial = Trial::default();
         trial.start(&self.state);
+        if let About::Frame { ties, .. } = self.about {
+            self.system.install_ties(ties, &mut self.state, &mut trial);
+        }
         let closed_area = self.write(&mut trial)?;
         let (entries, mut solver) = self
             .system
@@ -242,6 +254,7 @@ impl<'a> Vibration<'a> {
         let edge = self.system.contact.edge();
         let points = &self.system.contact.points;
         let all: f64 = points.iter().map(|point| point.area).sum();
+        let mirrors = mirrors(self.model);
         let closed = RefCell::new(0.0);
         let about = self.about;
         let stiffness = |at: PointMotion| {
@@ -255,7 +268,10 @@ impl<'a> Vibration<'a> {
             if part > 0.0 {
                 *closed.borrow_mut() += at.area;
             }
-            [part * normal, part * shear]
+            // The image behind a mirror slides alike.
+            let facet = &laws.master_facets[at.facet as usize];
+            let slides = facet.iter().all(|n| mirrors.contains(n));
+            [part * normal, if slides { 0.0 } else { part * shear }]
         };
         self.system
             .write_small_motion(&self.state, trial, &stiffness)
@@ -317,6 +333,15 @@ impl<'a> Vibration<'a> {
     }
 }
 
+/// Nodes of mirrors, which stand for the other half of joints in planes of symmetry.
+fn mirrors(model: &Model) -> FxHashSet<u32> {
+    let supports = model.supports.iter();
+    let mirrors = supports.filter(|support| support.by == HeldBy::Mirror);
+    mirrors
+        .flat_map(|support| support.nodes.iter().copied())
+        .collect()
+}
+
 /// Part of the elastic stiffness of a joint at a point of a frame (docs/theory/vibration.md, eq. 2): all under
 /// pressure, the secant σ/(k_n u) of a bond in tension, nothing where it is open.
 fn closed_part(frame: &Frame, point: usize, normal: f64, dry: bool) -> f64 {
@@ -362,10 +387,14 @@ fn damage(model: &Model, frame: &Frame, state: &mut State) {
 }
 
 /// Checks that the fields have the sizes of the model.
-fn check(model: &Model, frame: &Frame) -> Result<(), VibrationError> {
+fn check(model: &Model, frame: &Frame, ties: &[Installed<'_>]) -> Result<(), VibrationError> {
     let (nodes, elements) = (model.mesh.nodes.len(), model.mesh.elements.len());
     let points = 4 * model.contact.slave_facets.len();
     let joints = &frame.interfaces;
+    let fits = |since: &Installed<'_>| match since {
+        Installed::At(u) => u.len() == nodes,
+        Installed::AtRest | Installed::Later => true,
+    };
     let fields = [
         (frame.displacement.len() == nodes, "its nodes are others"),
         (
@@ -380,6 +409,10 @@ fn check(model: &Model, frame: &Frame) -> Result<(), VibrationError> {
                 && joints.opening.len() == points
                 && joints.damage.len() == points,
             "its joints are others",
+        ),
+        (
+            (ties.is_empty() || ties.len() == model.ties.len()) && ties.iter().all(fits),
+            "its ties are others",
         ),
     ];
     match fields.iter().find(|(fits, _)| !fits) {

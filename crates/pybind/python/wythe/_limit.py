@@ -49,6 +49,8 @@ class LimitAnalysis:
         Largest force in each tie: ``name``, ``force_N``.
     mirror : str or None
         Axis across the plane about which the scene is symmetric, so that half of its forces were unknown.
+    note : str or None
+        Remark where the factor is far below the associated one: runs in increments may carry anything between.
     """
 
     factor: float
@@ -63,6 +65,7 @@ class LimitAnalysis:
     joints: list[dict[str, Any]] = field(repr=False)
     ties: list[dict[str, Any]] = field(repr=False)
     mirror: str | None
+    note: str | None
     picture: Picture = field(repr=False)
     """The mechanism and the forces."""
     _found: _wythe.LimitOfModel = field(repr=False, compare=False)
@@ -105,6 +108,7 @@ def limit_of(
         joints=found["joints"],
         ties=found["ties"],
         mirror=found["mirror"],
+        note=found["note"],
         picture=Picture(limit.picture()),
         _found=limit,
     )

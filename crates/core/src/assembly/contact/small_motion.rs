@@ -27,9 +27,9 @@ impl Contact {
             let mut parts = Vec::with_capacity(4);
             for p in 4 * f..4 * f + 4 {
                 let pair = pairs[p];
-                if self.is_image(p) {
+                let Some(facet) = pair.facet.filter(|_| !self.is_image(p)) else {
                     continue;
-                }
+                };
                 let Some((cell, kin)) = self.see(p, &slave, pair, pair, x) else {
                     continue;
                 };
@@ -37,6 +37,7 @@ impl Contact {
                 let area = self.points[p].area;
                 let [normal, shear] = stiffness(PointMotion {
                     point: p,
+                    facet,
                     gap: self.opening(p, sight.gap),
                     area,
                 });

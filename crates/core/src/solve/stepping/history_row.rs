@@ -274,8 +274,7 @@ impl Run<'_> {
         }
         columns.extend(model.reaction_values(reactions));
         let cuts = self.system.cuts.iter();
-        let weights = state.weights;
-        columns.extend(cuts.flat_map(|cut| self.system.section_values(cut, &self.trial, weights)));
+        columns.extend(cuts.flat_map(|cut| self.system.section_values(cut, &self.trial)));
         columns
     }
 }
