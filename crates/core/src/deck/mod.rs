@@ -15,6 +15,7 @@ mod findings;
 mod floors;
 mod general;
 mod gravity;
+mod head_joints;
 mod held;
 mod held_loads;
 pub mod import;
