@@ -3,6 +3,7 @@
 use super::coarse_mesh::coarse_mesh;
 use super::contradictions::partly_held;
 use super::far_points::far_points;
+use super::flat_elements::flat_elements;
 use super::head_joints::{gaps, wide_joints};
 use super::held_loads::held_loads;
 use super::loading::beam_of;
@@ -127,6 +128,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(far_points(deck, model));
     warnings.extend(velocities_unused(deck, model));
     warnings.extend(held_loads(deck, model));
+    warnings.extend(flat_elements(deck, model));
     let top = deck.clamped().is_some();
     let of_step = |i: usize| beam_of(deck.steps.get(i)?, &model.beams, top);
     warnings.extend(partly_held(deck, model, of_step));

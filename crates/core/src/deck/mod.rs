@@ -12,6 +12,7 @@ mod coarse_mesh;
 mod contradictions;
 mod far_points;
 mod findings;
+mod flat_elements;
 mod floors;
 mod general;
 mod gravity;
