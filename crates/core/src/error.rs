@@ -149,6 +149,11 @@ impl ModelError {
         self
     }
 
+    /// Replaces the advice.
+    pub(crate) fn advise(&mut self, help: String) {
+        self.0.help = help;
+    }
+
     /// Sets the position of this error in the order of all errors.
     #[must_use]
     pub(crate) fn at(mut self, place: Place) -> Self {

@@ -74,6 +74,23 @@ fn all_errors_of_form_are_reported() {
     );
 }
 
+/// A plane of symmetry without a place is told the middle of the wall, which is no default.
+#[test]
+fn a_plane_without_a_place_is_told_the_middle_of_the_wall() {
+    for (normal, middle) in [("x", "495 mm"), ("y", "49 mm")] {
+        let plane = format!("{WALL}\n[[symmetry]]\nnormal = \"{normal}\"\n");
+        let error = refused(&plane);
+        assert_eq!(error.key(), "symmetry.0.at");
+        assert!(error.advice().contains(middle), "{}", error.advice());
+    }
+    // Of a wall with an unknown length the middle is unknown, too.
+    let unknown = changed(WALL, &[("length = \"990 mm\"", "length = \"990 bar\"")]);
+    let error = refused(&format!("{unknown}\n[[symmetry]]\nnormal = \"x\"\n"));
+    let mut all = error.all();
+    let plane = all.find(|error| error.key() == "symmetry.0.at");
+    assert!(plane.is_some_and(|plane| plane.advice().contains("at = ")));
+}
+
 /// A misspelt key is not also reported as missing. In a step of unknown kind no other keys are checked.
 #[test]
 fn consequences_of_an_error_are_not_reported() {

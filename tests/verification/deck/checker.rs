@@ -1,6 +1,7 @@
 //! Findings of `check` before a run: sizes, energies, warnings, and limits.
 
 use crate::common::examples::{load, path};
+use crate::common::scene::completed;
 use wythe::deck::{Deck, check};
 use wythe::model::Model;
 
@@ -337,4 +338,72 @@ fn memory_depends_on_the_node_planes_through_the_thickness() {
     // Two planes, independently of `mesh`.
     let rigid = [each("rigid = true"), each("rigid = true\nmesh = [4, 2, 9]")];
     assert_eq!(rigid[0], rigid[1]);
+}
+
+/// A couplet of elastic blocks 200 by 100 mm under 0.5 MPa, sheared by 1 mm.
+fn sheared_couplet(young: f64, depth: f64, along: u32) -> String {
+    let block = |name: &str, z: f64| {
+        format!(
+            "[[blocks]]\nname = \"{name}\"\nsize = [200, 100, {depth}]\nat = [0, 0, {z}]\nmaterial = \"stone\"\nmesh = \
+             [{along}, 1, 1]\n"
+        )
+    };
+    format!(
+        "format = 1\n[materials.stone]\nE = {young}\nnu = 0.2\ndensity = 0\n[interfaces.joint]\nf_t = 0.5\nc = \
+         1\ntan_phi = 0.8\nmu = 0.6\nzeta = 4.38\nxi = 3\nG_I = 0.015\nG_II = 0.05\n{}{}[[contacts]]\nslave = \
+         \"upper.bottom\"\nmaster = \"lower.top\"\ninterface = \"joint\"\n[[supports]]\non = \"lower.bottom\"\n[[steps]]\n\
+         kind = \"preload\"\nface = \"upper.top\"\npressure = 0.5\n[[steps]]\nkind = \"drive\"\nface = \"upper.top\"\n\
+         direction = \"x\"\ndisplacement = 1\nfree = [\"z\"]\n",
+        block("lower", 0.0),
+        block("upper", depth)
+    )
+}
+
+/// Flat elements whose stiffness against shear that varies along them, 4 E h/L², is below 0.4 of the slope of the joint
+/// (17.7 N/mm³) get a warning, others have the right friction.
+#[test]
+fn flat_elements_at_a_joint_that_softens_are_told() {
+    let told = |text: &str| {
+        let deck = Deck::from_str(text, "couplet.toml").unwrap();
+        let (model, warnings) = Model::from_deck(&deck).unwrap();
+        let flat = warnings
+            .into_iter()
+            .find(|w| w.message.contains("are flat"));
+        (model, flat)
+    };
+    for (young, depth, along) in [(1000.0, 5.0, 2), (1000.0, 10.0, 2), (1000.0, 20.0, 2)] {
+        let text = sheared_couplet(young, depth, along);
+        let (_, flat) = told(&text);
+        let flat = flat.unwrap_or_else(|| panic!("{young} {depth} {along}"));
+        assert_eq!(flat.key, "blocks.1.mesh");
+        assert!(flat.line.is_some(), "{flat}");
+        let sizes =
+            format!("`upper` at its joint are flat, 100.0 mm along it and {depth:.1} mm deep");
+        assert!(flat.message.contains(&sizes), "{flat}");
+        for formulation in ["full", "b-bar"] {
+            let other = format!("{text}[element]\nformulation = \"{formulation}\"\n");
+            assert!(told(&other).1.is_none(), "{formulation}");
+        }
+    }
+    for (young, depth, along) in [(4000.0, 10.0, 2), (1000.0, 10.0, 4), (8000.0, 5.0, 2)] {
+        let (model, flat) = told(&sheared_couplet(young, depth, along));
+        assert!(flat.is_none(), "{flat:?}");
+        let rows = completed(&model).rows;
+        // The bond is gone after a slip of 0.178 mm.
+        let slid = rows.iter().filter(|row| row.displacement_mm > 0.25);
+        for row in slid {
+            // 0.6 times 10 kN; forces of equilibrium have 2e-3.
+            assert!((row.force_kN / 6.0 - 1.0).abs() < 1e-2, "{}", row.force_kN);
+        }
+    }
+}
+
+/// Mortar in bed joints is flat, but stiffer than its joints soften.
+#[test]
+fn mortar_of_the_examples_is_not_too_flat() {
+    for name in ["01_couplet_tension", "03_shear_wall_j7d", "71_flemish_wall"] {
+        let (_, warnings) = Model::from_deck(&load(name, &[])).unwrap();
+        let flat = warnings.iter().find(|w| w.message.contains("are flat"));
+        assert!(flat.is_none(), "{name}: {flat:?}");
+    }
 }

@@ -153,6 +153,46 @@ fn gaps_and_joints_that_are_too_wide_are_named_with_their_place() {
     assert!(!told.iter().any(|w| w.contains("head joints")), "{told:?}");
 }
 
+/// Walls of a closed house, along x and y or turned, in which one unit too few fits beside another wall.
+#[test]
+fn wide_joints_beside_other_walls_name_the_wall_and_the_place_along_it() {
+    let wall = |name: &str, at: [u32; 2], lies: &str, length: u32| {
+        format!(
+            "[[walls]]\nname = \"{name}\"\nat = [{}, {}, 0]\n{lies}\nunit = [200, 100, 100]\nbed_joint = 10\n\
+             head_joint = 10\nlength = {length}\ncourses = 4\nunit_material = \"stone\"\nmortar_material = \"stone\"\n\
+             interface = \"dry\"\nmesh = [3, 2, 1]\n[[supports]]\non = \"{name}.bottom\"\n",
+            at[0], at[1]
+        )
+    };
+    let turned = |angle: i32| format!("rotate = {{ axis = \"z\", angle = {angle} }}");
+    let straight = [
+        wall("w0", [0, 0], "along = \"x\"", 1370),
+        wall("w1", [1270, 0], "along = \"y\"", 950),
+        wall("w2", [0, 850], "along = \"x\"", 1370),
+        wall("w3", [0, 0], "along = \"y\"", 950),
+    ];
+    let rotated = [
+        wall("w0", [0, 0], &turned(0), 1370),
+        wall("w1", [1370, 0], &turned(90), 950),
+        wall("w2", [1370, 950], &turned(180), 1370),
+        wall("w3", [0, 950], &turned(-90), 950),
+    ];
+    for walls in [straight, rotated] {
+        let text = format!("{HEAD}{}{GRAVITY}", walls.concat());
+        let (_, told) = Model::from_deck(&deck(&text)).unwrap_or_else(|e| panic!("{e}"));
+        let wide = told
+            .iter()
+            .find(|w| w.message.contains("mm wide"))
+            .unwrap_or_else(|| panic!("{told:?}"));
+        assert_eq!(wide.key, "walls.1.length");
+        assert!(wide.line.is_some(), "{wide}");
+        let place = "behind w1-1-3 from 830.00 to 850.00 mm along the wall is 20.00 mm wide";
+        assert!(wide.message.contains(place), "{wide}");
+        let remedy = "the wall `w2`, to which the length should be 10.00 mm shorter";
+        assert!(wide.message.contains(remedy), "{wide}");
+    }
+}
+
 /// If there are more shallow overlaps than are listed, a deep one is still listed.
 #[test]
 fn shallow_overlaps_hide_no_deep_one() {

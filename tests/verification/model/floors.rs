@@ -1,6 +1,6 @@
 //! Floors: their weight on the faces that carry them, and the stiffness of their springs.
 
-use crate::common::blocks::{Bad, GRAVITY, HEAD, deck_and_model, refuses};
+use crate::common::blocks::{Bad, GRAVITY, HEAD, deck_and_model, norm, refuses};
 use crate::common::scene::{completed, gap};
 use wythe::limit::{LimitSettings, analyse};
 
@@ -66,6 +66,76 @@ fn a_floor_may_be_turned_with_its_walls() {
             "{degrees}: {turned:?}"
         );
         assert_eq!(turned.2, straight.2, "{degrees}");
+    }
+}
+
+/// Two thick piers 1 m apart, turned about the vertical axis, with coordinates rounded to this many decimals. Middles of
+/// two rows of facets are equally near to each joist, across and along.
+fn turned_piers(meshes: [&str; 2], order: &str, degrees: f64, decimals: usize) -> String {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let pier = |name: &str, y: f64, mesh: &str| {
+        format!(
+            "[[blocks]]\nname = \"{name}\"\nsize = [1000, 600, 2000]\nat = [{:.decimals$}, {:.decimals$}, 0]\nmaterial = \
+             \"stone\"\nmesh = {mesh}\nrotate = {{ axis = \"z\", angle = {degrees} }}\n[[supports]]\non = \
+             \"{name}.bottom\"\n",
+            -sine * y,
+            cosine * y
+        )
+    };
+    let [p, q] = [pier("p", 0.0, meshes[0]), pier("q", 1000.0, meshes[1])];
+    format!(
+        "{HEAD}{p}{q}[[floors]]\nname = \"f\"\non = {order}\nload = 0.01\naxial = 1000\nshear = 100\nspacing = \
+         500\n{GRAVITY}"
+    )
+}
+
+/// Both ends, length and E A of the springs of a floor in order, its mass, and its stiffness along y when it is turned
+/// back.
+fn springs(text: &str, degrees: f64) -> (Vec<[f64; 4]>, f64, f64) {
+    let (_, model) = deck_and_model(text);
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let back = |x: [f64; 3]| [cosine * x[0] + sine * x[1], cosine * x[1] - sine * x[0]];
+    let (mut all, mut along_y) = (Vec::new(), 0.0);
+    for tie in &model.ties {
+        for (strand, share) in tie.strands.iter().zip(&tie.shares) {
+            let [a, b] = [strand[0].at, strand[1].at];
+            let length = norm([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
+            let [a, b] = [back(a), back(b)];
+            let stiffness = tie.law.E * tie.law.area * share;
+            along_y += stiffness * (b[1] - a[1]).powi(2) / length.powi(3);
+            all.push([a[0], b[0], length, stiffness]);
+        }
+    }
+    (all, model.floors[0].mass(), along_y)
+}
+
+/// Where a joist ends does not depend on how a scene is turned, nor on the rounding of its coordinates; and whatever the
+/// length of its springs, the floor has its stiffness: 1000 N/mm times the width over the span.
+#[test]
+fn rounding_does_not_choose_the_joists() {
+    let meshes = [
+        ["[4, 2, 4]", "[4, 2, 4]"],
+        ["[4, 2, 4]", "[3, 1, 4]"],
+        ["[2, 2, 4]", "[4, 4, 4]"],
+    ];
+    for meshes in meshes {
+        for order in ["[\"p.top\", \"q.top\"]", "[\"q.top\", \"p.top\"]"] {
+            let (straight, mass, _) = springs(&turned_piers(meshes, order, 0.0, 9), 0.0);
+            for degrees in [0.0_f64, 30.0, 37.0, -37.0, 45.0, 90.0, 143.0, 180.0, -90.0] {
+                for decimals in [12, 6, 3] {
+                    let text = turned_piers(meshes, order, degrees, decimals);
+                    let (turned, turned_mass, along_y) = springs(&text, degrees);
+                    let scene = format!("{meshes:?}, {order}, {degrees} degrees, {decimals}");
+                    assert_eq!(turned.len(), straight.len(), "{scene}");
+                    // Coordinates have errors of half a µm at most in spans of a metre; weights are sums.
+                    for (a, b) in turned.iter().flatten().zip(straight.iter().flatten()) {
+                        assert!((a - b).abs() < 1e-2 + 1e-5 * b.abs(), "{scene}: {a} {b}");
+                    }
+                    assert!((turned_mass / mass - 1.0).abs() < 1e-5, "{scene}");
+                    assert!((along_y / 1000.0 - 1.0).abs() < 1e-5, "{scene}: {along_y}");
+                }
+            }
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 use super::coarse_mesh::coarse_mesh;
 use super::contradictions::partly_held;
 use super::far_points::far_points;
+use super::flat_elements::flat_elements;
+use super::head_joints::{gaps, wide_joints};
 use super::held_loads::held_loads;
 use super::loading::beam_of;
 use super::magnitudes::magnitudes;
-use super::masonry::{Corner, Masonry, Unit, least_lap};
-use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision, Wall};
+use super::masonry::{Masonry, least_lap};
+use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision};
 use super::{rounding, tables};
 use crate::element::extent;
 use crate::error::{Errors, ModelError, Warning};
@@ -126,6 +128,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(far_points(deck, model));
     warnings.extend(velocities_unused(deck, model));
     warnings.extend(held_loads(deck, model));
+    warnings.extend(flat_elements(deck, model));
     let top = deck.clamped().is_some();
     let of_step = |i: usize| beam_of(deck.steps.get(i)?, &model.beams, top);
     warnings.extend(partly_held(deck, model, of_step));
@@ -357,137 +360,4 @@ fn unread(deck: &Deck, masonry: &Masonry<'_>) -> Vec<Warning> {
         warnings.push(deck.warning(&format!("{path}.filled_from"), message));
     }
     warnings
-}
-
-/// Warning about head joints wider than those of the wall, which patterns and lintels may cause.
-fn wide_joints(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
-    let (along, _) = masonry.wall.axes();
-    let joint = masonry.wall.head_joint.get();
-    // Along the wall, a joint to a wall at an angle is wider than across.
-    let sines = masonry.corners.iter().map(Corner::sine);
-    let widest = joint / sines.fold(1.0, f64::min);
-    let wide = |u: &&Unit| u.joint(along, true) > widest + 1e-6 * masonry.wall.unit[0].get();
-    let mut units = masonry.units.iter().filter(wide);
-    let first = units.next()?;
-    let [from, to] = [first.own[along][1], first.all[along][1]];
-    let rest = units.count();
-    let others = if rest > 0 {
-        format!(", and {rest} others")
-    } else {
-        String::new()
-    };
-    let key = if masonry.wall.bond == Bond::Pattern {
-        "pattern"
-    } else {
-        "openings"
-    };
-    Some(deck.warning(
-        &format!("{}.{key}", masonry.path),
-        format!(
-            "in course {} the joint behind {} from {from:.2} to {to:.2} mm is {:.2} mm wide, the head joints of the wall \
-             {joint} mm{others}",
-            first.course,
-            first.name(&masonry.name),
-            to - from
-        ),
-    ))
-}
-
-/// Warning about neighbouring units of a course without a joint between them.
-fn gaps(deck: &Deck, masonry: &Masonry<'_>) -> Option<Warning> {
-    let wall = masonry.wall;
-    let (along, _) = wall.axes();
-    let origin = wall.at[along].get();
-    let least = 1e-6 * wall.unit[0].get();
-    let in_opening = |course: u16, x: f64| {
-        let courses = |o: &crate::deck::schema::DeckOpening| {
-            let above = o.lintel.as_ref().map_or(0, |l| l.courses);
-            o.sill..o.sill + o.courses + above
-        };
-        let mut openings = wall.openings.iter();
-        openings.any(|o| {
-            courses(o).contains(&u32::from(course)) && (o.from.get()..=o.to.get()).contains(&x)
-        })
-    };
-    // Where another wall passes through, a gap of its thickness is intended.
-    let most = if masonry.joined.is_empty() && masonry.corners.is_empty() {
-        f64::INFINITY
-    } else {
-        3.0 * wall.head_joint.get()
-    };
-    let mut found = Vec::new();
-    for course in masonry.units.chunk_by(|a, b| a.course == b.course) {
-        let mut by_start: Vec<usize> = (0..course.len()).collect();
-        by_start.sort_by(|a, b| course[*a].own[along][0].total_cmp(&course[*b].own[along][0]));
-        for unit in course {
-            for i in following(wall, course, &by_start, unit) {
-                let next = &course[i];
-                let gap = next.own[along][0] - unit.all[along][1].max(unit.own[along][1]);
-                let middle = next.own[along][0] - 0.5 * gap - origin;
-                if gap > least && gap <= most && !in_opening(unit.course, middle) {
-                    found.push((unit, next, gap));
-                }
-            }
-        }
-    }
-    let &(unit, next, gap) = found.first()?;
-    let others = match found.len() {
-        1 => String::new(),
-        n => format!(", and at {} other places", n - 1),
-    };
-    let key = if wall.bond == Bond::Pattern {
-        "pattern"
-    } else {
-        "bond"
-    };
-    Some(deck.warning(
-        &format!("{}.{key}", masonry.path),
-        format!(
-            "in course {} a gap of {gap:.2} mm beyond the joint parts {} from {}, which begins at {:.2} mm{others}: nothing \
-             joins them there",
-            unit.course,
-            unit.name(&masonry.name),
-            next.name(&masonry.name),
-            next.own[along][0]
-        ),
-    ))
-}
-
-/// Next units of a course after `unit`, one in each leaf that it goes through, in ascending order. `by_start`:
-/// units of the course in the order of their starts.
-fn following(wall: &Wall, course: &[Unit], by_start: &[usize], unit: &Unit) -> Vec<usize> {
-    let (along, through) = wall.axes();
-    let least = 1e-6 * wall.unit[0].get();
-    let start = |i: usize| course[i].own[along][0];
-    let beside = |a: &Unit, b: &Unit| {
-        let [a, b] = [a.own[through], b.own[through]];
-        a[1].min(b[1]) - a[0].max(b[0]) > least
-    };
-    let behind = by_start.partition_point(|i| start(*i) <= unit.own[along][1] - least);
-    let (mut seen, mut next): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
-    // Parts of the thickness of `unit` without a next unit so far.
-    let mut left = vec![unit.own[through]];
-    for &i in &by_start[behind..] {
-        let last = seen.last().map_or(f64::INFINITY, |i| start(*i));
-        if left.is_empty() && start(i) > last + least {
-            break; // all others stand behind units found before
-        }
-        let other = &course[i];
-        if !beside(unit, other) {
-            continue;
-        }
-        let covers = |s: &usize| beside(&course[*s], other) && start(*s) < start(i) - least;
-        if !seen.iter().any(covers) {
-            next.push(i);
-        }
-        seen.push(i);
-        let [front, back] = other.own[through];
-        left = left
-            .into_iter()
-            .flat_map(|[a, b]| [[a, b.min(front)], [a.max(back), b]])
-            .filter(|[a, b]| b - a > least)
-            .collect();
-    }
-    next.sort_unstable();
-    next
 }

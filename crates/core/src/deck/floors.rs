@@ -11,9 +11,11 @@
 //!   └──────────────────────────┘
 //! ```
 //!
-//! The first face gives the directions of the floor in plan, u along it and v across. Faces along u are sides that face
-//! each other along v, and faces along v those along u. Sides are taken in order, and the floor spans from each to the
-//! next. A floor with sides in both directions spans both ways, half of it each way.
+//! The first face gives the directions of the floor in plan, u along it and v across, towards the next face along u.
+//! Faces along u are sides that face each other along v, and faces along v those along u. Sides are taken in order, and
+//! the floor spans from each to the next. A floor with sides in both directions spans both ways, half of it each way.
+
+mod bay;
 
 use super::bodies::Bodies;
 use super::plan::{self, PlanFrame};
@@ -23,10 +25,8 @@ use crate::element::hexahedron::{area_vector, norm, range};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::floors::Floor;
 use crate::model::scene::Step;
-use crate::model::ties::{Tie, TieLaw, TiePoint, TieStage};
-
-/// Largest number of springs along a side, so that a slip in `spacing` does not fill the memory.
-const MOST_JOISTS: f64 = 1000.0;
+use crate::model::ties::{Tie, TieLaw, TieStage};
+use bay::{Bay, Bearing, Side};
 
 /// Thickness of the width that a strand of a tie stands for [mm]: its Young's modulus is then a membrane stiffness.
 const UNIT_THICKNESS: f64 = 1.0;
@@ -52,167 +52,6 @@ pub(super) fn floors(
         step.ties.extend(ties.iter().map(|_| TieStage::Fixed));
     }
     errors.end((floors, ties))
-}
-
-/// A facet that carries the floor.
-struct Bearing {
-    element: usize,
-    nodes: [u32; 4],
-    /// Its middle [mm].
-    at: [f64; 3],
-    /// The same in plan, along u and v [mm].
-    plan: [f64; 2],
-    /// Its area [mm²].
-    area: f64,
-    /// Half its extent along the side [mm].
-    half: f64,
-}
-
-/// A face that carries the floor.
-struct Side {
-    name: String,
-    bearings: Vec<Bearing>,
-    /// Mean of its bearings along the span [mm].
-    across: f64,
-    /// Its ends along it [mm].
-    ends: [f64; 2],
-}
-
-/// The floor between a side and the next.
-struct Bay<'a> {
-    sides: [&'a Side; 2],
-    /// Direction along the sides: u or v.
-    along: usize,
-    /// Where both sides are [mm].
-    ends: [f64; 2],
-}
-
-impl Bay<'_> {
-    /// Distance D of its sides [mm].
-    fn span(&self) -> f64 {
-        self.sides[1].across - self.sides[0].across
-    }
-
-    /// Area in plan [mm²].
-    fn area(&self) -> f64 {
-        self.span() * self.width()
-    }
-
-    /// Bearings of a side beside the bay.
-    fn bearings(&self, side: usize) -> impl Iterator<Item = &Bearing> {
-        let [low, high] = self.ends;
-        let within = move |b: &&Bearing| (low..=high).contains(&b.plan[self.along]);
-        self.sides[side].bearings.iter().filter(within)
-    }
-
-    /// Pairs of bearings that joists join, in order along the sides, at most `spacing` apart unless an opening lies
-    /// between them.
-    fn joists(&self, spacing: f64) -> Vec<[&Bearing; 2]> {
-        let low = self.ends[0];
-        let count = (self.width() / spacing).ceil().clamp(1.0, MOST_JOISTS);
-        let step = self.width() / count;
-        let mut joists: Vec<[&Bearing; 2]> = Vec::new();
-        for k in 0..=count as usize {
-            let s = low + k as f64 * step;
-            let [Some(first), Some(second)] = [0, 1].map(|side| self.nearest(side, s, step)) else {
-                continue;
-            };
-            let is_new = joists.last().is_none_or(|[a, b]| {
-                first.plan[self.along] > a.plan[self.along]
-                    && second.plan[self.along] > b.plan[self.along]
-            });
-            if is_new {
-                joists.push([first, second]);
-            }
-        }
-        joists
-    }
-
-    /// Bearing nearest to a place along the side; none where an opening has no bearing within half a `step`.
-    fn nearest(&self, side: usize, s: f64, step: f64) -> Option<&Bearing> {
-        let middle = self.sides[side].across;
-        let away = |b: &Bearing| {
-            let along = (b.plan[self.along] - s).abs();
-            along + 1e-3 * (b.plan[1 - self.along] - middle).abs()
-        };
-        let nearest = self
-            .bearings(side)
-            .min_by(|a, b| away(a).total_cmp(&away(b)))?;
-        let reach = nearest.half + 0.5 * step;
-        ((nearest.plan[self.along] - s).abs() <= reach).then_some(nearest)
-    }
-
-    /// Width of the bay [mm].
-    fn width(&self) -> f64 {
-        self.ends[1] - self.ends[0]
-    }
-
-    /// Strands of the joists and of the braces with the width that each stands for [mm], for a floor with this axial
-    /// stiffness and stiffness against shear [N/mm].
-    fn strands(&self, spacing: f64, [axial, shear]: [f64; 2]) -> [Vec<Strand>; 2] {
-        let joists = self.joists(spacing);
-        let (span, whole) = (self.span(), self.width());
-        let between = |a: &[&Bearing; 2], b: &[&Bearing; 2]| {
-            let gaps = [0, 1].map(|side| b[side].plan[self.along] - a[side].plan[self.along]);
-            0.5 * (gaps[0] + gaps[1])
-        };
-        let gaps: Vec<f64> = joists.windows(2).map(|w| between(&w[0], &w[1])).collect();
-        let covered: f64 = gaps.iter().sum();
-        // Braces join joists about as far apart as the floor spans: steeper ones would stiffen it along the joists.
-        let mean = covered / gaps.len().max(1) as f64;
-        let fields = ((span / mean).round().max(1.0) as usize).min(gaps.len());
-        let pairs = joists.iter().zip(joists.iter().skip(fields.max(1)));
-        let pairs: Vec<_> = pairs.map(|(a, b)| (a, b, between(a, b))).collect();
-        let share = whole / pairs.iter().map(|(_, _, gap)| gap).sum::<f64>();
-        let mut braces = Vec::new();
-        let mut stiffer = 0.0;
-        for (a, b, gap) in pairs {
-            let width = share * gap.hypot(span).powi(3) / (2.0 * gap * span);
-            braces.push((strand(a[0], b[1]), width));
-            braces.push((strand(b[0], a[1]), width));
-            stiffer += share * shear * span / gap;
-        }
-        // What braces add along the joists is taken from these.
-        let own = axial * whole / span;
-        let left = if own > 0.0 {
-            (1.0 - stiffer / own).max(0.0)
-        } else {
-            1.0
-        };
-        let gap = |k: Option<usize>| k.and_then(|k| gaps.get(k)).copied().unwrap_or(0.0);
-        let beside = |k: usize| 0.5 * (gap(k.checked_sub(1)) + gap(Some(k)));
-        let edge = |k: usize| {
-            if k == 0 || k + 1 == joists.len() {
-                whole - covered
-            } else {
-                0.0
-            }
-        };
-        let ends = joists.len().min(2) as f64;
-        let along = joists.iter().enumerate().map(|(k, [a, b])| {
-            let width = beside(k) + edge(k) / ends;
-            (strand(a, b), left * width)
-        });
-        [along.collect(), braces]
-    }
-}
-
-/// Points of a spring, and the width of the floor that it stands for [mm].
-type Strand = (Vec<TiePoint>, f64);
-
-fn strand(a: &Bearing, b: &Bearing) -> Vec<TiePoint> {
-    [a, b].map(Bearing::point).to_vec()
-}
-
-impl Bearing {
-    /// The end of a spring: the middle of the facet.
-    fn point(&self) -> TiePoint {
-        TiePoint {
-            at: self.at,
-            element: self.element as u32,
-            nodes: self.nodes.map(|n| (n, 0.25)).to_vec(),
-        }
-    }
 }
 
 /// The floor of entry `i` and its ties.
@@ -326,7 +165,7 @@ fn sides(
         let error = deck.error(path, message, help);
         Err(error.of_kind(ErrorKind::Geometry))
     };
-    let mut sides = [Vec::new(), Vec::new()];
+    let mut faces = Vec::new();
     let mut first: Option<(f64, &str)> = None;
     for name in &on.0 {
         let places = bodies.places(path, &Names(vec![name.clone()]), true)?;
@@ -345,16 +184,47 @@ fn sides(
                 "sides of a floor are parallel or at right angles in plan",
             );
         }
-        let frame = PlanFrame::of(floor);
-        match side(name, &facets, &frame, &bodies.mesh.nodes) {
-            Ok((along, side)) => sides[1 - along].push(side),
-            Err(message) => return wrong(message, "name faces of walls"),
-        }
+        faces.push((name, facets));
+    }
+    let sides_in = |frame: PlanFrame| -> Result<Vec<(usize, Side)>, String> {
+        let x = &bodies.mesh.nodes;
+        let sides = faces
+            .iter()
+            .map(|(name, facets)| side(name, facets, &frame, x));
+        sides.collect()
+    };
+    let frame = PlanFrame::of(first.map_or(0.0, |(angle, _)| angle));
+    let oriented = |sides: Vec<_>| sides_in(frame.turned(quarters(&sides)));
+    let found = match sides_in(frame).and_then(oriented) {
+        Ok(found) => found,
+        Err(message) => return wrong(message, "name faces of walls"),
+    };
+    let mut sides = [Vec::new(), Vec::new()];
+    for (along, side) in found {
+        sides[1 - along].push(side);
     }
     for sides in &mut sides {
         sides.sort_by(|a: &Side, b: &Side| a.across.total_cmp(&b.across));
     }
     Ok(sides)
+}
+
+/// Quarters of a turn of the directions after which the first side lies along u, and the next one along u beyond it:
+/// what only rounding would decide is then the same however the floor is turned.
+fn quarters(sides: &[(usize, Side)]) -> usize {
+    let Some((along, first)) = sides.first() else {
+        return 0;
+    };
+    let mut others = sides.iter().skip(1).filter(|(other, _)| other == along);
+    let is_beyond = others
+        .next()
+        .is_none_or(|(_, next)| next.across > first.across);
+    match (*along == 0, is_beyond) {
+        (true, true) => 0,
+        (true, false) => 2,
+        (false, true) => 3,
+        (false, false) => 1,
+    }
 }
 
 /// The side of these facets, and whether it lies along u or v.

@@ -239,7 +239,7 @@ layers.on => on = "wall.front"  # faces of one plane
 layers.thickness => thickness = "10 mm"
 [[symmetry]]
 normal = "x"  # or "y", "z"
-symmetry.at => at = "480 mm"  # along the normal
+symmetry.at => at = "480 mm"  # along the normal: the middle of the wall
 keep = "below"  # or "above": the side that is modelled
 [[probes]]
 near = ["100 mm", 0, "50 mm"]

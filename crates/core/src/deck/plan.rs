@@ -60,6 +60,14 @@ impl PlanFrame {
         Self { u: [cosine, sine] }
     }
 
+    /// The directions turned by whole quarters, without rounding.
+    pub fn turned(self, quarters: usize) -> Self {
+        let turn = |[c, s]: [f64; 2], _| [-s, c];
+        Self {
+            u: (0..quarters).fold(self.u, turn),
+        }
+    }
+
     /// Coordinates along u and v [mm].
     pub fn plan(&self, x: [f64; 3]) -> [f64; 2] {
         let [c, s] = self.u;
@@ -95,7 +103,9 @@ mod tests {
         assert!((angle(mixed.into_iter()) - 20.0).abs() < 1e-9);
         assert!(away(angle([rectangle(9.0, 1.0, 45.0)].into_iter()), 45.0).abs() < 1e-9);
         assert_eq!(angle([rectangle(9.0, 1.0, 90.0)].into_iter()), 0.0);
-        let frame = PlanFrame::of(30.0);
+        let frame = PlanFrame::of(30.0).turned(3);
+        let along = frame.place([1.0, 0.0], 0.0);
+        assert!((along[0] - 0.5).abs() < 1e-14 && along[1] < 0.0);
         let back = frame.plan(frame.place([3.0, 4.0], 0.0));
         assert!((back[0] - 3.0).abs() < 1e-14 && (back[1] - 4.0).abs() < 1e-14);
     }

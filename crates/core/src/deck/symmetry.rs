@@ -6,6 +6,7 @@
 //! ([`InterfaceLaw::half`](wythe_contact::InterfaceLaw::half)).
 
 use super::bodies::Bodies;
+use super::masonry;
 use super::overlap;
 use super::schema::{Deck, DeckLoad, Keep};
 use crate::element::hexahedron::norm;
@@ -73,6 +74,27 @@ impl Plane {
     pub(super) fn called(&self) -> String {
         format!("{} = {} mm", Axis::NAMES[self.axis], self.at)
     }
+}
+
+/// Middle of the walls of a deck along an axis [mm]; none if there are none or if one is turned.
+pub(super) fn middle(deck: &Deck, axis: usize) -> Option<f64> {
+    let mut ends: Option<[f64; 2]> = None;
+    for (_, _, wall) in deck.walls() {
+        let (along, through) = wall.axes();
+        let size = match axis {
+            _ if wall.rotate.is_some() => return None,
+            a if a == along => wall.length.get(),
+            a if a == through => masonry::thickness(wall),
+            _ => {
+                let bed = wall.bed_joint.get();
+                f64::from(wall.courses) * (wall.unit[2].get() + bed) - bed
+            }
+        };
+        let low = wall.at[axis].get();
+        let [first, last] = ends.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+        ends = Some([first.min(low), last.max(low + size)]);
+    }
+    ends.map(|[low, high]| 0.5 * (low + high))
 }
 
 /// Number of copies of the modelled part in the whole scene.

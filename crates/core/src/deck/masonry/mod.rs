@@ -250,6 +250,23 @@ impl Masonry<'_> {
         self.joined.contains(&other) || corners.any(|corner| corner.with == other)
     }
 
+    /// Walls that meet it, by their index, and where they stand along it [mm].
+    pub(super) fn met(&self, deck: &Deck) -> Vec<(usize, [f64; 2])> {
+        let along = self.wall.axes().0;
+        let begin = self.wall.at[along].get();
+        let walls: Vec<&Wall> = deck.walls().map(|(_, _, wall)| wall).collect();
+        let straight = self.joined.iter().filter_map(|other| {
+            let wall = walls.get(*other)?;
+            let from = wall.at[along].get() - begin;
+            Some((*other, [from, from + thickness(wall)]))
+        });
+        let corners = self
+            .corners
+            .iter()
+            .map(|corner| (corner.with, corner.range));
+        straight.chain(corners).collect()
+    }
+
     /// Units whose face lies on that of the whole wall; none where a plane of symmetry cuts it.
     pub(super) fn on(&self, face: Face) -> Vec<usize> {
         if self.cut[face as usize] {

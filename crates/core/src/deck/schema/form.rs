@@ -8,7 +8,8 @@ use super::Deck;
 use super::stand_in;
 use crate::deck::keys::{LISTS, NAMED, TABLES, section_of};
 use crate::deck::source::{Source, Trouble, join};
-use crate::error::ModelError;
+use crate::deck::symmetry::middle;
+use crate::error::{ErrorKind, ModelError};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use toml::Spanned;
@@ -126,7 +127,32 @@ pub(super) fn read(source: &mut Source, mut root: Spanned<DeTable<'_>>, whole: b
             break;
         }
     }
+    name_middles(&mut form);
     form
+}
+
+/// Lets errors about planes of symmetry without a place name the middle of the walls.
+fn name_middles(form: &mut Form) {
+    let Some(deck) = &form.deck else { return };
+    if deck.walls().any(|(path, _, _)| form.broken.section(&path)) {
+        return;
+    }
+    for (i, plane) in deck.symmetry.iter().enumerate() {
+        let path = format!("symmetry.{i}");
+        if form.broken.holds(&format!("{path}.normal")) {
+            continue;
+        }
+        let key = format!("{path}.at");
+        let is_missing =
+            |error: &&mut ModelError| error.kind() == ErrorKind::Missing && error.key() == key;
+        let error = form.errors.iter_mut().find(is_missing);
+        if let (Some(error), Some(middle)) = (error, middle(deck, plane.normal.index())) {
+            let middle = (1e6 * middle).round() / 1e6;
+            error.advise(format!(
+                "write it like this: at = \"{middle} mm\"  # the middle of the walls"
+            ));
+        }
+    }
 }
 
 /// Checks that the sections are tables or lists of tables, as their headers make them.
