@@ -418,3 +418,42 @@ fn a_point_that_faced_a_surface_stays_on_it_a_little_beyond_its_rim() {
     assert!(close(pair(5e-4, None), 5e-4));
     assert_eq!(pair(0.05, None), None);
 }
+
+/// Two facets side by side, the second one of another body and higher by a step. A point that slides from the first one
+/// stays at its rim beside the step, up to a tenth of half a facet, and changes at once where there is none.
+#[test]
+fn a_point_stays_at_the_rim_beside_a_step_of_another_body() {
+    let of = |step: f64, second_body: u32| {
+        let corner = |x: f64, y: f64, z: f64| [x, y, z];
+        let x = vec![
+            corner(0.0, 0.0, 0.0),
+            corner(2.0, 0.0, 0.0),
+            corner(2.0, 2.0, 0.0),
+            corner(0.0, 2.0, 0.0),
+            corner(2.0, 0.0, step),
+            corner(4.0, 0.0, step),
+            corner(4.0, 2.0, step),
+            corner(2.0, 2.0, step),
+        ];
+        let master = Surface {
+            facets: vec![[0, 1, 2, 3], [4, 5, 6, 7]],
+            body: vec![0, second_body],
+        };
+        let reach = Reach {
+            flush: 1e-5,
+            ..within(0.5)
+        };
+        move |beyond: f64| {
+            let point = Vector3::new(2.0 + beyond, 1.0, -1e-3);
+            let present = Some((0, [0.9, 0.0]));
+            pair_point(&point, present, &[0, 1], &master, &x, reach).map(|(facet, _)| facet)
+        }
+    };
+    // Pressed by 1e-3: a step of half as much is none.
+    assert_eq!(of(0.0, 1)(0.05), Some(1));
+    assert_eq!(of(4e-4, 1)(0.05), Some(1));
+    assert_eq!(of(0.1, 1)(0.05), Some(0));
+    assert_eq!(of(0.1, 1)(0.2), Some(1));
+    // The facets of one body are a surface.
+    assert_eq!(of(0.1, 0)(0.05), Some(1));
+}

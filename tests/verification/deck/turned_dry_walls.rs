@@ -58,12 +58,13 @@ impl Plan<'_> {
     }
 }
 
-/// Numbers of nodes and elements, which slivers would change, and the volume of the smallest element [mm³]. Facets of
-/// joints are not counted: where planes differ by rounding, a corner may have two more.
-fn mesh(model: &Model) -> ([usize; 2], f64) {
+/// Numbers of nodes, elements and facets of joints, which slivers would change, and the volume of the smallest element
+/// [mm³].
+fn mesh(model: &Model) -> ([usize; 3], f64) {
     let mesh = &model.mesh;
     let volumes = (0..mesh.elements.len()).map(|e| mesh.volume(e));
-    let sizes = [mesh.nodes.len(), mesh.elements.len()];
+    let facets = model.contact.slave_facets.len();
+    let sizes = [mesh.nodes.len(), mesh.elements.len(), facets];
     (sizes, volumes.fold(f64::INFINITY, f64::min))
 }
 
@@ -116,9 +117,9 @@ fn turned_corners_have_the_modes_of_the_straight_one() {
     assert!(straight[0] > 0.0);
     for (turn, decimals) in [(90.0, 6), (30.0, 3), (30.0, 9), (45.0, 3), (60.0, 6)] {
         for (turned, straight) in of(turn, decimals).iter().zip(&straight) {
-            // A rounded deck may have two facets of joints more, whose points stiffen the second mode by 0.6 %.
+            // Rounding of the deck moves points of contact by 1e-3 mm in 100 mm: 1.4e-3 seen.
             assert!(
-                (turned / straight - 1.0).abs() < 1e-2,
+                (turned / straight - 1.0).abs() < 2e-3,
                 "{turn} degrees, {decimals} decimals: {turned} {straight} Hz"
             );
         }

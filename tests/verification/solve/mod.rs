@@ -16,5 +16,6 @@ mod relaxation;
 mod resume;
 mod settlements;
 mod stiff_scenes;
+mod sudden_peaks;
 mod tolerance;
 mod vibration;

@@ -305,6 +305,8 @@ impl Fallback {
     ) -> Answer {
         let higher = self.at + 1 < self.choices.len();
         let comes_free = matches!(rejection, Rejection::Linear { dof: Some(_), .. });
+        // A path begins at the peak.
+        let is_resolved = *rejection != Rejection::Snap || size <= least.before_motion;
         let would_move = comes_free && self.at < self.statics && self.inertia().is_some();
         let enough = match self.method() {
             _ if spent => true,
@@ -313,9 +315,9 @@ impl Fallback {
             }
             Method::Static | Method::DisplacementControl if self.at + 1 < self.statics => {
                 self.stalls += 1;
-                self.stalls >= STALLS || size <= least.of_statics
+                is_resolved && (self.stalls >= STALLS || size <= least.of_statics)
             }
-            Method::Static => size <= least.of_statics,
+            Method::Static => is_resolved && size <= least.of_statics,
             Method::DisplacementControl => size <= least.of_statics && self.inertia().is_some(),
             Method::Implex | Method::Direct => size <= SECOND_FLOOR * self.floor,
             _ => false,
@@ -464,8 +466,8 @@ impl Fallback {
         };
         self.untroubled = if passed { self.untroubled + 1 } else { 0 };
         if self.on_path > LONGEST_PATH {
-            self.passed_over = 2 << self.lost.min(MOST_LOST);
-            self.lost += 1;
+            self.lost = MOST_LOST;
+            self.passed_over = 2 << MOST_LOST;
             (self.at, self.untroubled, self.on_path) = (0, 0, 0);
             return true;
         }
