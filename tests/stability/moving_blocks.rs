@@ -359,7 +359,7 @@ tolerance = { residual = 5e-3 }
 #[test]
 fn energies_balance_when_points_change_to_a_facet_of_another_height() {
     // Steps up, level and down. At the end two of the four corners are on the second table.
-    for step in [0.2, 0.02, 0.0, -0.2, -2.0] {
+    for step in [0.02, 0.0, -0.2, -2.0] {
         let recording = over_a_step(step);
         let last = recording.rows.last().unwrap();
         println!("{step}: {:?} {last:?}", imbalance(&recording));
@@ -374,16 +374,18 @@ fn energies_balance_when_points_change_to_a_facet_of_another_height() {
 #[test]
 fn the_side_of_a_higher_table_does_not_throw_a_sliding_block() {
     // Without `contact.general` the block enters below the face, which is behind its corners.
-    let recording = over_a_step(2.0);
-    let last = recording.rows.last().unwrap();
-    assert!(last.probes[0] < 0.0, "{last:?}");
-    assert!(last.numerical_dissipation_J > -1e-6, "{last:?}");
-    // It has no more energy than it began with and its weight gave it: 0.24 J at first, then it falls.
-    for row in &recording.rows {
-        assert!(row.kinetic_energy_J <= row.external_work_J, "{row:?}");
+    for step in [0.2, 2.0] {
+        let recording = over_a_step(step);
+        let last = recording.rows.last().unwrap();
+        assert!(last.probes[0] < 0.0, "{step}: {last:?}");
+        assert!(last.numerical_dissipation_J > -1e-6, "{step}: {last:?}");
+        // It has no more energy than it began with and its weight gave it: 0.24 J at first, then it falls.
+        for row in &recording.rows {
+            assert!(row.kinetic_energy_J <= row.external_work_J, "{row:?}");
+        }
+        // What it may gain unbooked: 2 mJ.
+        assert!(imbalance(&recording) < 5e-3, "{step}: {last:?}");
     }
-    // What it may gain unbooked: 2 mJ.
-    assert!(imbalance(&recording) < 5e-3, "{last:?}");
 }
 
 /// A pad on a very soft spring is pressed across a gap. The first solve does not detect contact and would carry the

@@ -30,6 +30,7 @@ impl Recorder for Energies {
             driven: row.step == 1,
             other: false,
             seeks_equilibrium: model.steps[row.step].procedure == Procedure::Auto,
+            ..StepOfCurve::default()
         };
         self.curve.push(row, of);
         self.last = row.clone();

@@ -75,6 +75,7 @@ fn a_second_drive_begins_at_its_own_force() {
         driven,
         other,
         seeks_equilibrium: true,
+        ..StepOfCurve::default()
     };
     let row = |d: f64, f: f64, part: f64| HistoryRow {
         displacement_mm: d,
