@@ -2,6 +2,7 @@
 
 mod files;
 mod mirror;
+mod polygons;
 mod scales;
 
 use crate::common::blocks::{HEAD, deck_and_model};
