@@ -19,6 +19,7 @@ use super::bodies::Bodies;
 use super::plan::{self, PlanFrame};
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckFloor, Names};
+use crate::element::facet;
 use crate::element::hexahedron::{area_vector, norm, range};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::floors::Floor;
@@ -58,6 +59,8 @@ pub(super) fn floors(
 struct Bearing {
     element: usize,
     nodes: [u32; 4],
+    /// Parts of its area for which they stand.
+    shares: [f64; 4],
     /// Its middle [mm].
     at: [f64; 3],
     /// The same in plan, along u and v [mm].
@@ -306,12 +309,14 @@ fn tied(
     Ok(ties)
 }
 
-/// Spreads a mass over facets by area, a quarter of each part to each node.
+/// Spreads a mass evenly over the area of facets.
 fn hang(masses: &mut Vec<(u32, f64)>, on: &[&Bearing], mass: f64) {
     let area: f64 = on.iter().map(|bearing| bearing.area).sum();
     for bearing in on.iter().filter(|_| mass > 0.0) {
-        let part = 0.25 * mass * bearing.area / area;
-        masses.extend(bearing.nodes.map(|n| (n, part)));
+        let parts = bearing
+            .shares
+            .map(|share| share * mass * bearing.area / area);
+        masses.extend(bearing.nodes.into_iter().zip(parts));
     }
 }
 
@@ -391,6 +396,7 @@ fn side(
         Bearing {
             element: *element,
             nodes: *nodes,
+            shares: facet::shares(&corners),
             at,
             plan,
             area: norm(area_vector(&corners)),
