@@ -33,13 +33,24 @@ pub fn gauss_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
 }
 
 /// The corners of a part, moved inwards by 1e-6 of its half size, so that each lies on one facet only where edges of
-/// bodies coincide.
+/// bodies coincide. Areas are ∫ N dA of a flat part: an even pressure acts at its centroid.
 pub fn corner_points(corners: &[[f64; 3]; 4], part: &Part) -> [SlavePoint; 4] {
-    sample(
+    let mut points = sample(
         corners,
         part,
         [EVEN.map(|(side, share)| (side * OUTERMOST, share)); 2],
-    )
+    );
+    // Quarters by the size of the area element at each corner, which is linear between them.
+    let quarters = points.map(|point| point.area);
+    for (k, point) in points.iter_mut().enumerate() {
+        let beyond = |i: usize| quarters[(k + i) % 4] - quarters[k];
+        let more = (2.0 * (beyond(1) + beyond(3)) + beyond(2)) / 9.0;
+        // Equal ones of a parallelogram stay as they are.
+        if more.abs() > ROUNDING * quarters[k] {
+            point.area += more;
+        }
+    }
+    points
 }
 
 /// Points of a part along one of its directions.
@@ -72,6 +83,9 @@ pub fn points_of(corners: &[[f64; 3]; 4], part: &Part, along: [PointsAlong; 2]) 
 
 /// Parameter of the outermost points.
 const OUTERMOST: f64 = 1.0 - 1e-6;
+
+/// Relative difference of areas that are equal but for rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Two points on either side of the middle, with equal shares.
 const EVEN: [(f64, f64); 2] = [(-1.0, 0.5), (1.0, 0.5)];

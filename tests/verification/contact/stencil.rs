@@ -344,20 +344,22 @@ fn points_integrate_facets() {
         for p in gauss.iter().chain(&corner) {
             assert!((p.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
         }
-        let moment: Vector3<f64> = gauss
-            .iter()
-            .map(|p| {
+        let moment = |points: &[SlavePoint; 4]| -> Vector3<f64> {
+            let parts = points.iter().map(|p| {
                 (0..4)
                     .map(|k| p.weights[k] * Vector3::from(corners[k]))
                     .sum::<Vector3<f64>>()
                     * p.area
-            })
-            .sum();
+            });
+            parts.sum()
+        };
         let third = |p: Vector3<f64>, q: Vector3<f64>, r: Vector3<f64>| {
             (p + q + r) / 3.0 * 0.5 * (q - p).cross(&(r - p)).z
         };
         let exact = third(a, b, c) + third(a, c, d);
-        assert!((moment - exact).norm() < 1e-11 * area);
+        assert!((moment(&gauss) - exact).norm() < 1e-11 * area);
+        // Corner points are moved by up to 4e-5 mm.
+        assert!((moment(&corner) - exact).norm() < 1e-4 * area);
         // The corner points lie inside by 1e-6 of the half facet.
         for (k, p) in corner.iter().enumerate() {
             let x: Vector3<f64> = (0..4)
@@ -367,5 +369,20 @@ fn points_integrate_facets() {
             assert!(away > 1e-7 && away < 1e-4);
             assert!(project(&x, &corners).inside);
         }
+    }
+}
+
+/// Corner points of a parallelogram have a quarter of its area each.
+#[test]
+fn corner_points_of_a_parallelogram_have_equal_areas() {
+    let corners = [
+        [0.0, 0.0, 1.0],
+        [30.0, 4.0, 1.0],
+        [37.0, 19.0, 1.0],
+        [7.0, 15.0, 1.0],
+    ];
+    // 30 × 15 − 4 × 7 in all.
+    for p in corner_points(&corners, &Part::WHOLE) {
+        assert!((p.area - 0.25 * 422.0).abs() < 1e-12); // rounding
     }
 }

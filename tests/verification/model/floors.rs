@@ -348,3 +348,23 @@ fn bad_floors_are_errors() {
     )];
     refuses(&narrow, springs);
 }
+
+/// A floor on a wall that is 300 mm thick at one end and 60 mm at the other, 1200 mm away, weighs at the centroid of its
+/// top, (300 + 2 × 60)/(300 + 60) of a third of its length away.
+#[test]
+fn a_floor_weighs_at_the_centroid_of_its_facets() {
+    let (_, model) = deck_and_model(&format!(
+        "{HEAD}[[blocks]]\nname = \"wall\"\nmaterial = \"stone\"\n\
+         corners = [[0, 0, 0], [1200, 120, 0], [1200, 180, 0], [0, 300, 0], [0, 0, 400], [1200, 120, 400], \
+         [1200, 180, 400], [0, 300, 400]]\n[[supports]]\non = \"wall.bottom\"\n\
+         [[floors]]\nname = \"roof\"\non = \"wall.top\"\nmass = 0.5\n{GRAVITY}"
+    ));
+    let masses = &model.floors[0].masses;
+    let moment: f64 = masses
+        .iter()
+        .map(|(n, mass)| mass * model.mesh.nodes[*n as usize][0])
+        .sum();
+    let known = 1200.0 / 3.0 * 420.0 / 360.0;
+    let found = moment / model.floors[0].mass();
+    assert!((found / known - 1.0).abs() < 1e-9, "{found} {known}"); // rounding
+}

@@ -21,6 +21,7 @@ use super::bodies::Bodies;
 use super::plan::{self, PlanFrame};
 use super::quantity::{GRAVITY, Quantity};
 use super::schema::{Deck, DeckFloor, Names};
+use crate::element::facet;
 use crate::element::hexahedron::{area_vector, norm, range};
 use crate::error::{ErrorKind, Errors, ModelError};
 use crate::model::floors::Floor;
@@ -145,12 +146,14 @@ fn tied(
     Ok(ties)
 }
 
-/// Spreads a mass over facets by area, a quarter of each part to each node.
+/// Spreads a mass evenly over the area of facets.
 fn hang(masses: &mut Vec<(u32, f64)>, on: &[&Bearing], mass: f64) {
     let area: f64 = on.iter().map(|bearing| bearing.area).sum();
     for bearing in on.iter().filter(|_| mass > 0.0) {
-        let part = 0.25 * mass * bearing.area / area;
-        masses.extend(bearing.nodes.map(|n| (n, part)));
+        let parts = bearing
+            .shares
+            .map(|share| share * mass * bearing.area / area);
+        masses.extend(bearing.nodes.into_iter().zip(parts));
     }
 }
 
@@ -261,6 +264,7 @@ fn side(
         Bearing {
             element: *element,
             nodes: *nodes,
+            shares: facet::shares(&corners),
             at,
             plan,
             area: norm(area_vector(&corners)),

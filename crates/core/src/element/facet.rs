@@ -68,6 +68,21 @@ pub fn areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
     areas
 }
 
+/// Relative difference of shares that are equal but for rounding.
+const EVEN: f64 = 1e-9;
+
+/// The same as parts of their sum. Those of a parallelogram are quarters to the last digit.
+pub fn shares(x: &[[f64; 3]; 4]) -> [f64; 4] {
+    let areas = areas(x);
+    let sum: f64 = areas.iter().sum();
+    let shares = areas.map(|area| area / sum);
+    if shares.iter().any(|share| (4.0 * share - 1.0).abs() > EVEN) {
+        shares
+    } else {
+        [0.25; 4]
+    }
+}
+
 /// ∂A_a/∂x_b [mm]. `[a][b][i][j]`
 pub fn turning(x: &[[f64; 3]; 4]) -> [[[[f64; 3]; 3]; 4]; 4] {
     let mut slopes = [[[[0.0; 3]; 3]; 4]; 4];
@@ -112,6 +127,23 @@ mod tests {
             }
         }
         assert!(areas(&x).iter().all(|a| (a - 6.0).abs() < 1e-14));
+        assert_eq!(shares(&x), [0.25; 4]);
+    }
+
+    /// ∫ x dA of a trapezium, 6 and 2 wide and 3 high: its centroid is at 3/3 × (6 + 2 × 2)/(6 + 2) of its height.
+    #[test]
+    fn shares_of_a_trapezium_have_its_centroid() {
+        let x = [
+            [0.0, 0.0, 0.0],
+            [6.0, 0.0, 0.0],
+            [4.0, 3.0, 0.0],
+            [2.0, 3.0, 0.0],
+        ];
+        let shares = shares(&x);
+        let at = |i: usize| -> f64 { shares.iter().zip(&x).map(|(s, x)| s * x[i]).sum() };
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14); // rounding
+        assert!((at(0) - 3.0).abs() < 1e-14, "{shares:?}");
+        assert!((at(1) - 1.25).abs() < 1e-14, "{shares:?}");
     }
 
     /// The area vectors sum to half the cross product of the diagonals, also on a warped facet.

@@ -44,12 +44,54 @@ const PARALLEL: f64 = 0.999;
 const CONVEX: f64 = 1e-6;
 /// Smallest area of a joint over that of its facet.
 const SLIVER: f64 = 1e-6;
+/// Part of its area by which the box along the first side of a rectangle may be larger. Decks round lengths.
+const RECTANGLE: f64 = 1e-3;
 
 impl Joint {
     /// Middle of the corners [mm].
     pub fn middle(&self) -> Vector3<f64> {
         let sum: Vector3<f64> = self.corners.iter().sum();
         sum / self.corners.len() as f64
+    }
+
+    /// Corners in the plane of the joint, counter-clockwise, from the first one [mm].
+    pub fn flat(&self) -> Vec<Vector2<f64>> {
+        let [_, first, second] = self.frame;
+        let ways = self.corners.iter().map(|x| x - self.corners[0]);
+        ways.map(|x| Vector2::new(x.dot(&first), x.dot(&second)))
+            .collect()
+    }
+
+    /// Whether the polygon is a rectangle.
+    pub fn is_rectangle(&self) -> bool {
+        let [first, _, second, _] = self.edges();
+        let extent = |along: &Vector3<f64>| {
+            let [low, high] = self.reach(along);
+            high - low
+        };
+        extent(&first) * extent(&second) <= (1.0 + RECTANGLE) * self.area
+    }
+
+    /// Areas for which the corners stand [mm²]: forces in these parts act at the centroid, as an even stress does.
+    pub fn shares(&self) -> Vec<f64> {
+        let count = self.corners.len();
+        if count == 4 && self.is_rectangle() {
+            return vec![self.area / 4.0; 4];
+        }
+        // Thirds of the triangles between the centroid and the sides; that of the centroid goes to the corners in the
+        // parts in which they have it.
+        let polygon = self.flat();
+        let middle = centroid(&polygon);
+        let triangle = |k: usize| {
+            let [a, b] = [
+                polygon[k % count] - middle,
+                polygon[(k + 1) % count] - middle,
+            ];
+            0.5 * a.perp(&b)
+        };
+        let part = self.area / area(&polygon);
+        let share = |k: usize| 0.5 * part * (triangle(k + count - 1) + triangle(k));
+        (0..count).map(share).collect()
     }
 
     /// Directions towards four edges: those of a rectangle along the first side of the polygon.
@@ -63,11 +105,17 @@ impl Joint {
     /// Distances of the corners from the middle of the joint towards an edge, over half of its depth there: 1 at the
     /// edge. `[corner]`
     pub fn arms(&self, edge: &Vector3<f64>) -> Vec<f64> {
-        let places: Vec<f64> = self.corners.iter().map(|x| x.dot(edge)).collect();
-        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = self.reach(edge);
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        places.iter().map(|place| (place - middle) / half).collect()
+        let places = self.corners.iter().map(|x| x.dot(edge));
+        places.map(|place| (place - middle) / half).collect()
+    }
+
+    /// Least and largest place of the corners along a direction [mm].
+    fn reach(&self, along: &Vector3<f64>) -> [f64; 2] {
+        let places = || self.corners.iter().map(|x| x.dot(along));
+        let low = places().fold(f64::INFINITY, f64::min);
+        [low, places().fold(f64::NEG_INFINITY, f64::max)]
     }
 
     /// All joints of a model at rest. `bonded`: with tensile strength and cohesion; otherwise the joints are dry, with
@@ -265,7 +313,11 @@ fn overlap(slave: &[[f64; 3]; 4], master: &[[f64; 3]; 4]) -> Option<Polygon> {
 }
 
 /// Part of a polygon to the left of a line (Sutherland and Hodgman 1974).
-fn clipped(polygon: &[Vector2<f64>], from: Vector2<f64>, to: Vector2<f64>) -> Vec<Vector2<f64>> {
+pub fn clipped(
+    polygon: &[Vector2<f64>],
+    from: Vector2<f64>,
+    to: Vector2<f64>,
+) -> Vec<Vector2<f64>> {
     let way = to - from;
     let side = |p: &Vector2<f64>| way.x * (p.y - from.y) - way.y * (p.x - from.x);
     let mut kept = Vec::with_capacity(polygon.len() + 1);
@@ -282,9 +334,28 @@ fn clipped(polygon: &[Vector2<f64>], from: Vector2<f64>, to: Vector2<f64>) -> Ve
     kept
 }
 
-fn area(polygon: &[Vector2<f64>]) -> f64 {
+/// Area of a polygon that runs counter-clockwise.
+pub fn area(polygon: &[Vector2<f64>]) -> f64 {
     let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
     0.5 * edges.map(|(a, b)| a.x * b.y - a.y * b.x).sum::<f64>()
+}
+
+/// Centroid of a polygon; its first corner if it has no area.
+pub fn centroid(polygon: &[Vector2<f64>]) -> Vector2<f64> {
+    let Some(first) = polygon.first() else {
+        return Vector2::zeros();
+    };
+    let (mut twice, mut moment) = (0.0, Vector2::zeros());
+    for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+        let (a, b) = (a - first, b - first);
+        twice += a.perp(&b);
+        moment += a.perp(&b) * (a + b);
+    }
+    if twice > 0.0 {
+        first + moment / (3.0 * twice)
+    } else {
+        *first
+    }
 }
 
 /// Joints of two bodies, with those of one plane merged where their union is convex.

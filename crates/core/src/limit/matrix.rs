@@ -1,9 +1,13 @@
 //! The program as a matrix: A x + s = b with s in cones.
 
+use std::ops::Range;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::SupportedConeT::{self, NonnegativeConeT, SecondOrderConeT, ZeroConeT};
 
 use super::bodies::Wrench;
+use super::borders::Border;
+use super::joints::Joint;
 use super::program::{Corner, Program};
 use super::unknowns::Orbit;
 
@@ -228,8 +232,7 @@ impl Program<'_> {
         bounds.close(before);
     }
 
-    /// Eq. 3 at each joint, of two images at one. In a plane that for edges across it follows from those of the other
-    /// two.
+    /// Eq. 3 at each joint, of two images at one; eq. 8 at those that are no rectangles.
     fn add_crushing(&self, bounds: &mut Bounds) {
         let Some(strength) = self.strength else {
             return;
@@ -237,33 +240,78 @@ impl Program<'_> {
         let mut first = 0;
         let mut orbits = self.unknowns.orbits().peekable();
         for joint in self.joints {
-            let own = first..first + joint.corners.len();
-            first = own.end;
-            let mut of_joint = Vec::with_capacity(own.len());
-            while let Some(orbit) = orbits.next_if(|(_, orbit)| own.contains(&orbit.corner)) {
-                of_joint.push(orbit);
+            let corners = first..first + joint.corners.len();
+            first = corners.end;
+            let mut orbits_of_joint = Vec::with_capacity(corners.len());
+            while let Some(orbit) = orbits.next_if(|(_, orbit)| corners.contains(&orbit.corner)) {
+                orbits_of_joint.push(orbit);
             }
-            let Some((_, Orbit { width, .. })) = of_joint.first() else {
+            if orbits_of_joint.is_empty() {
                 continue;
-            };
-            let axis = self.unknowns.mirror.as_ref().map(|mirror| mirror.axis);
-            let axis = axis.filter(|_| *width == 2);
+            }
             let scale = self.scales.between(joint.bodies);
             let tension = joint.strength.tension * joint.area / scale;
-            let most = strength * joint.area / scale + tension;
-            for edge in joint.edges() {
-                if axis.is_some_and(|axis| edge[axis].abs() > 0.5) {
-                    continue;
-                }
-                let arms = joint.arms(&edge);
-                let term = |(column, orbit): &(usize, &Orbit)| {
-                    let members = orbit.members().filter(|v| own.contains(v));
-                    let members: Vec<f64> = members.map(|v| arms[v - own.start]).collect();
-                    (*column, members.len() as f64, members.iter().sum())
-                };
-                let terms: Vec<_> = of_joint.iter().map(term).collect();
-                bounds.crush([most, tension], &terms);
+            let pressed = Pressed {
+                joint,
+                corners,
+                orbits: orbits_of_joint,
+                most: [strength * joint.area / scale + tension, tension],
+            };
+            if joint.is_rectangle() {
+                let mirror = self.unknowns.mirror.as_ref().map(|mirror| mirror.axis);
+                pressed.add_edges(mirror, bounds);
+            } else {
+                pressed.add_borders(bounds);
             }
         }
+    }
+}
+
+/// A joint with a compressive strength.
+struct Pressed<'a> {
+    joint: &'a Joint,
+    /// Its corners.
+    corners: Range<usize>,
+    /// Their orbits with the first columns of these.
+    orbits: Vec<(usize, &'a Orbit)>,
+    /// (f_c + f_t) A and f_t A, over the size of the forces.
+    most: [f64; 2],
+}
+
+impl Pressed<'_> {
+    /// Columns of normal forces, with the number of corners of the joint for which each stands and the sum of their arms.
+    fn terms(&self, arms: &[f64]) -> Vec<(usize, f64, f64)> {
+        let term = |(column, orbit): &(usize, &Orbit)| {
+            let members = orbit.members().filter(|v| self.corners.contains(v));
+            let members: Vec<f64> = members.map(|v| arms[v - self.corners.start]).collect();
+            (*column, members.len() as f64, members.iter().sum())
+        };
+        self.orbits.iter().map(term).collect()
+    }
+
+    /// Eq. 3. In a plane of symmetry that for edges across it follows from those of the other two.
+    fn add_edges(&self, mirror: Option<usize>, bounds: &mut Bounds) {
+        let crossed = self.orbits.iter().any(|(_, orbit)| orbit.width == 2);
+        let axis = mirror.filter(|_| crossed);
+        for edge in self.joint.edges() {
+            if axis.is_none_or(|axis| edge[axis].abs() <= 0.5) {
+                bounds.crush(self.most, &self.terms(&self.joint.arms(&edge)));
+            }
+        }
+    }
+
+    /// Eq. 8, and N ≤ f_c A.
+    fn add_borders(&self, bounds: &mut Bounds) {
+        let [most, tension] = self.most;
+        let before = bounds.right.len();
+        for border in Border::all(self.joint) {
+            let terms = self.terms(&border.arms).into_iter();
+            let terms: Vec<_> = terms.map(|(column, _, arm)| (column, arm)).collect();
+            bounds.below(&terms, most * border.moment - tension * border.middle);
+        }
+        let counts = self.terms(&vec![0.0; self.corners.len()]).into_iter();
+        let counts: Vec<_> = counts.map(|(column, count, _)| (column, count)).collect();
+        bounds.below(&counts, most - tension);
+        bounds.close(before);
     }
 }

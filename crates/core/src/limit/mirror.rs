@@ -192,7 +192,7 @@ impl Mirror {
             let (other, turned) = self.joints[j]?;
             let own = j == other && !turned;
             let level = |edge: &Vector3<f64>| edge[self.axis].abs() <= SAME;
-            if own && crushed && !joint.edges().iter().any(level) {
+            if own && crushed && joint.is_rectangle() && !joint.edges().iter().any(level) {
                 return None;
             }
             // Between two images forces are normal to the plane.

@@ -7,6 +7,7 @@
 mod actions;
 mod answer;
 mod bodies;
+mod borders;
 mod interior;
 mod joints;
 mod matrix;

@@ -38,8 +38,8 @@ impl Corner {
     /// All corners of joints, joint by joint.
     pub fn all(joints: &[Joint]) -> Vec<Self> {
         let corners = joints.iter().enumerate().flat_map(|(j, joint)| {
-            let share = joint.area / joint.corners.len() as f64;
-            joint.corners.iter().map(move |at| Self {
+            let corners = joint.corners.iter().zip(joint.shares());
+            corners.map(move |(at, share)| Self {
                 joint: j,
                 at: *at,
                 friction: joint.strength.friction,

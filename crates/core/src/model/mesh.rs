@@ -3,6 +3,8 @@
 use crate::element::hex8::CORNERS;
 use crate::element::hexahedron::{norm, range};
 
+/// Relative difference of parts of an element that are equal but for rounding.
+const EVEN: f64 = 1e-9;
 /// Weight by which a point must lie beside a plane of symmetry to count as outside it. Corner points lie 5e-7 beside
 /// it.
 const IN_THE_PLANE: f64 = 1e-9;
@@ -195,21 +197,53 @@ impl Mesh {
         moment.map(|moment| moment / volume)
     }
 
+    /// Volumes ∫ N det J for which the nodes of element `e` stand [mm³], exact as its volume. Equal parts of a
+    /// parallelepiped are so to the last digit.
+    pub fn nodal_volumes(&self, e: usize) -> [f64; 8] {
+        let share = self.volume(e) / 8.0;
+        let mut sums = [0.0; 8];
+        for (weights, determinant) in self.gauss_points(e) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += determinant * weight;
+            }
+        }
+        if sums.iter().all(|sum| (sum - share).abs() <= EVEN * share) {
+            [share; 8]
+        } else {
+            sums
+        }
+    }
+
     fn volume_and_moment(&self, e: usize) -> (f64, [f64; 3]) {
         let x = self.corners(e);
-        let g = 1.0 / 3.0_f64.sqrt();
         let (mut volume, mut moment) = (0.0, [0.0; 3]);
-        for p in 0..8_usize {
+        for (weights, determinant) in self.gauss_points(e) {
+            let mut at = [0.0; 3];
+            for (weight, x) in weights.iter().zip(x) {
+                for (at, x) in at.iter_mut().zip(x) {
+                    *at += weight * x;
+                }
+            }
+            volume += determinant;
+            for (moment, at) in moment.iter_mut().zip(at) {
+                *moment += determinant * at;
+            }
+        }
+        (volume, moment)
+    }
+
+    /// Weights of the nodes and det J of element `e` at its 2×2×2 Gauss points.
+    fn gauss_points(&self, e: usize) -> impl Iterator<Item = ([f64; 8], f64)> {
+        let x = self.corners(e);
+        let g = 1.0 / 3.0_f64.sqrt();
+        (0..8_usize).map(move |p| {
             let [r, s, t] =
                 [p & 1, (p >> 1) & 1, p >> 2].map(|high| if high == 1 { g } else { -g });
             // ∂x/∂ξ along each local axis, [axis][xyz].
             let mut jacobian = [[0.0; 3]; 3];
-            let mut at = [0.0; 3];
+            let mut weights = [0.0; 8];
             for (n, [a, b, c]) in CORNERS.iter().enumerate() {
-                let weight = 0.125 * (1.0 + a * r) * (1.0 + b * s) * (1.0 + c * t);
-                for (at, x) in at.iter_mut().zip(x[n]) {
-                    *at += weight * x;
-                }
+                weights[n] = 0.125 * (1.0 + a * r) * (1.0 + b * s) * (1.0 + c * t);
                 let slopes = [
                     a * (1.0 + b * s) * (1.0 + c * t),
                     b * (1.0 + a * r) * (1.0 + c * t),
@@ -223,11 +257,7 @@ impl Mesh {
             }
             let [[a, b, c], [d, e, f], [g, h, i]] = jacobian;
             let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
-            volume += determinant;
-            for (moment, at) in moment.iter_mut().zip(at) {
-                *moment += determinant * at;
-            }
-        }
-        (volume, moment)
+            (weights, determinant)
+        })
     }
 }

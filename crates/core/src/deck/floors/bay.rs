@@ -14,6 +14,8 @@ const ROUNDING: f64 = 1e-3;
 pub(super) struct Bearing {
     pub(super) element: usize,
     pub(super) nodes: [u32; 4],
+    /// Parts of its area for which they stand.
+    pub(super) shares: [f64; 4],
     /// Its middle [mm].
     pub(super) at: [f64; 3],
     /// The same in plan, along u and v [mm].

@@ -140,15 +140,12 @@ impl<'a> Site<'a> {
         Ok(lengths)
     }
 
-    /// Tributary volumes of nodes [mm³]: an eighth of each element whose nodes are all among these.
+    /// Tributary volumes ∫ N dV of nodes [mm³], of the elements whose nodes are all among these.
     pub(super) fn volumes(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
         let elements = self.mesh.elements.iter().enumerate();
         let of = elements
             .filter(|(_, corners)| corners.iter().all(|n| nodes.binary_search(n).is_ok()))
-            .flat_map(|(e, corners)| {
-                let share = self.mesh.volume(e) / 8.0;
-                corners.map(|n| (n, share))
-            });
+            .flat_map(|(e, corners)| corners.iter().copied().zip(self.mesh.nodal_volumes(e)));
         summed(of, |sum, v| sum + v)
     }
 }
