@@ -345,7 +345,8 @@ fn sheared_couplet(young: f64, depth: f64, along: u32) -> String {
     let block = |name: &str, z: f64| {
         format!(
             "[[blocks]]\nname = \"{name}\"\nsize = [200, 100, {depth}]\nat = [0, 0, {z}]\nmaterial = \"stone\"\nmesh = \
-             [{along}, 1, 1]\n"
+             [{along}, {}, 1]\n",
+            along / 2
         )
     };
     format!(

@@ -6,7 +6,7 @@ use wythe::model::scene::Procedure;
 use wythe::results::{Curve, StepOfCurve};
 use wythe::solve;
 use wythe::solve::Recorder;
-use wythe::state::{EnergyBalance, Frame, HistoryRow, Summary};
+use wythe::state::{EnergyBalance, ForceBy, Frame, HistoryRow, Summary};
 
 #[derive(Default)]
 struct Energies {
@@ -29,8 +29,10 @@ impl Recorder for Energies {
         let of = StepOfCurve {
             driven: row.step == 1,
             other: false,
-            seeks_equilibrium: model.steps[row.step].procedure == Procedure::Auto,
-            ..StepOfCurve::default()
+            inertia: match model.steps[row.step].procedure {
+                Procedure::Auto => ForceBy::Drive,
+                _ => ForceBy::Equilibrium,
+            },
         };
         self.curve.push(row, of);
         self.last = row.clone();

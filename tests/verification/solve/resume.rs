@@ -351,7 +351,7 @@ fn a_peak_with_short_increments() {
         goes_on_as_if_nothing_had_happened(&model, peak, 41)
     };
     // Its last increments before the peak are short.
-    assert!(of("0.005").len() > of("1").len());
+    assert!(of("0.0005").len() > of("0.005").len());
 }
 
 #[test]

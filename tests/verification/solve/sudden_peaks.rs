@@ -125,8 +125,8 @@ fn the_peak_of_a_pressed_wall_is_the_load_at_which_it_falls() {
         assert_eq!(summary.status, Status::Collapsed, "{}", summary.message);
         let falls = pressure * 510.0 * 380.0 * 1e-3 * summary.fall.unwrap().load_factor;
         let peak = run.curve().peak().unwrap().force.abs();
-        // Both are the force of one row.
-        assert!((peak / falls - 1.0).abs() < 1e-6, "{peak} {falls} kN");
+        // Both are of one row; the pressure follows the face, whose area and direction change by 1e-4.
+        assert!((peak / falls - 1.0).abs() < 1e-3, "{peak} {falls} kN");
         // The load of increments of 0.5 % of the step, 1.265 kN.
         assert!(
             (peak / 1.265 - 1.0).abs() < 0.03,

@@ -244,9 +244,9 @@ fn a_tie_counts_from_its_installation() {
     let mut displacement = vec![[0.0; 3]; mesh.nodes.len()];
     let block = mesh.unit[elements - 1];
     for (nodes, _) in (mesh.elements.iter().zip(&mesh.unit)).filter(|(_, unit)| **unit == block) {
-        nodes
-            .iter()
-            .for_each(|n| displacement[*n as usize] = [0.0, 0.0, 0.2]);
+        for n in nodes {
+            displacement[*n as usize] = [0.0, 0.0, 0.2];
+        }
     }
     let frame = Frame {
         displacement,

@@ -29,10 +29,9 @@ pub struct StepOfCurve {
     pub driven: bool,
     /// Its increments show another drive, so that the curve does not begin at them.
     pub other: bool,
-    /// It seeks equilibria (procedure `auto`): inertia only leads from one equilibrium to the next.
-    pub seeks_equilibrium: bool,
-    /// Its loads are given: no displacement drives or steers them.
-    pub loads: bool,
+    /// What gives the force of its increments with inertia, which only leads from one equilibrium to the next in
+    /// procedures that seek these.
+    pub inertia: ForceBy,
 }
 
 impl StepOfCurve {
@@ -42,8 +41,11 @@ impl StepOfCurve {
         let of = |(part, step): (PartInCurve, &Step)| Self {
             driven: part == PartInCurve::Points,
             other: part == PartInCurve::Other,
-            seeks_equilibrium: step.procedure.seeks_equilibrium(),
-            loads: !step.prescribes(),
+            inertia: match step.procedure.seeks_equilibrium() {
+                true if step.prescribes() => ForceBy::Drive,
+                true => ForceBy::Loads,
+                false => ForceBy::Equilibrium,
+            },
         };
         parts.map(of).collect()
     }
@@ -77,9 +79,8 @@ impl Curve {
     /// drive. A later increment of a step without a drive (a pause) is ignored.
     pub fn push(&mut self, row: &HistoryRow, of: StepOfCurve) {
         let point = (row.displacement_mm, row.force_kN);
-        let by = match (of.seeks_equilibrium, row.procedure) {
-            (true, Method::QuasiStatic) if of.loads => ForceBy::Loads,
-            (true, Method::QuasiStatic) => ForceBy::Drive,
+        let by = match row.procedure {
+            Method::QuasiStatic => of.inertia,
             _ => ForceBy::Equilibrium,
         };
         let moving = self.motion.follow(row, by);

@@ -14,7 +14,7 @@ use crate::deck::Deck;
 use crate::files;
 use crate::model::Model;
 use crate::model::columns::FIXED;
-use crate::state::{HistoryRow, Method};
+use crate::state::{ForceBy, HistoryRow, Method};
 
 /// Largest size of a text file that is read [byte]. Ten million rows of a history take less.
 const MOST_TEXT: u64 = 1 << 32;
@@ -131,9 +131,13 @@ impl ReadHistory {
         let steps = self.steps.as_deref().unwrap_or_default();
         let mut driven = self.driven().into_iter();
         for rows in self.rows.chunk_by(|a, b| a.step == b.step) {
-            let seeks_equilibrium = rows.iter().any(|r| r.procedure != Method::QuasiStatic);
+            let seeks = rows.iter().any(|r| r.procedure != Method::QuasiStatic);
             let unknown = StepOfCurve {
-                seeks_equilibrium,
+                inertia: if seeks {
+                    ForceBy::Drive
+                } else {
+                    ForceBy::Equilibrium
+                },
                 ..StepOfCurve::default()
             };
             let of = steps.get(rows[0].step).copied().unwrap_or(unknown);
@@ -376,14 +380,21 @@ fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
             live.as_ref().is_some_and(|live| loads(step).contains(live))
         },
         other: another && drive(step) != last,
-        seeks_equilibrium: step.get("procedure").is_none_or(|name| {
-            ["auto", "displacement_control"]
-                .map(Some)
-                .contains(&name.as_str())
-        }),
-        loads: !drives(step) && step.get("control").is_none(),
+        inertia: force_by(step, drives(step)),
     };
     Some(steps.iter().map(of).collect())
+}
+
+/// What gives the force of increments with inertia in a step of a deck.
+fn force_by(step: &toml::Value, drives: bool) -> ForceBy {
+    let procedure = step.get("procedure").and_then(toml::Value::as_str);
+    match procedure.unwrap_or("auto") {
+        "auto" | "displacement_control" if drives || step.get("control").is_some() => {
+            ForceBy::Drive
+        }
+        "auto" | "displacement_control" => ForceBy::Loads,
+        _ => ForceBy::Equilibrium,
+    }
 }
 
 fn read_if_there(path: &Path) -> Result<Option<String>, ReadError> {

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::{HistoryRow, is_moving};
 
 /// What gives the force of an increment, of which inertia may carry a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ForceBy {
     /// Equilibrium, or motion that the deck asks for: all of it counts.
+    #[default]
     Equilibrium,
     /// A displacement drives or steers it, in an increment that `auto` solves with inertia.
     Drive,

@@ -74,8 +74,7 @@ fn a_second_drive_begins_at_its_own_force() {
     let of = |driven, other| StepOfCurve {
         driven,
         other,
-        seeks_equilibrium: true,
-        ..StepOfCurve::default()
+        inertia: ForceBy::Drive,
     };
     let row = |d: f64, f: f64, part: f64| HistoryRow {
         displacement_mm: d,
@@ -209,7 +208,7 @@ fn events_that_did_not_occur_are_none() {
 }
 
 /// Rises to 10 kN and snaps: inertia raises the force to 15 kN; after five quiet increments 12 kN in equilibrium.
-fn snaps(seeks_equilibrium: bool) -> Curve {
+fn snaps(inertia: ForceBy) -> Curve {
     let rows = [
         (1.0, 10.0, Method::Static, 0.0),
         (1.01, 15.0, Method::QuasiStatic, 0.5),
@@ -235,7 +234,7 @@ fn snaps(seeks_equilibrium: bool) -> Curve {
         };
         let of = StepOfCurve {
             driven: true,
-            seeks_equilibrium,
+            inertia,
             ..StepOfCurve::default()
         };
         curve.push(&row, of);
@@ -245,9 +244,9 @@ fn snaps(seeks_equilibrium: bool) -> Curve {
 
 #[test]
 fn an_overshoot_by_inertia_is_not_a_peak() {
-    assert_eq!(snaps(true).peak().unwrap().force, 12.0);
+    assert_eq!(snaps(ForceBy::Drive).peak().unwrap().force, 12.0);
     // If the deck asks for inertia, its forces count.
-    assert_eq!(snaps(false).peak().unwrap().force, 15.0);
+    assert_eq!(snaps(ForceBy::Equilibrium).peak().unwrap().force, 15.0);
 }
 
 #[test]

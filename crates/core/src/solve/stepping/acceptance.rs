@@ -285,6 +285,7 @@ impl Run<'_> {
                 force: report.load_factor,
                 by_work: 1.0 / work,
                 linear: None,
+                sense: (step_run.load + report.load_factor).signum(),
             }
         } else if step_run.step.drives() {
             let way = self.driven_way(step_run);
@@ -294,6 +295,7 @@ impl Run<'_> {
                 force: 1e-3 * self.driving_force(step_run),
                 by_work: 1e-3 / way,
                 linear: rise.map(|rise| 1e-3 * rise / size),
+                sense: way.signum(),
             }
         } else {
             return None;

@@ -79,6 +79,19 @@ pub struct MethodChoice {
     pub tangent: Tangent,
 }
 
+/// Counters of paths.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Paths {
+    /// Number of increments in which the load must rise before a path is left.
+    rising: usize,
+    /// Number of increments in a row along a path.
+    on_path: usize,
+    /// Number of paths that failed.
+    lost: u32,
+    /// Number of further troubles in which paths are skipped.
+    passed_over: usize,
+}
+
 /// Methods of a step, the present one, and the counters by which it is left.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fallback {
@@ -92,14 +105,9 @@ pub struct Fallback {
     /// Increments in a row without the trouble for which the first method was left.
     untroubled: usize,
     patience: usize,
-    rising: usize,
-    /// Number of increments in a row along a path.
-    on_path: usize,
+    paths: Paths,
     /// Part of the loads at which the first method was left.
     left_at: f64,
-    /// Number of paths that failed, and number of further troubles in which paths are skipped.
-    lost: u32,
-    passed_over: usize,
     /// Whether statics was left because of a snap.
     snaps: bool,
     /// Whether any solid yields or softens.
@@ -211,11 +219,13 @@ impl Fallback {
             floor: FLOOR * step.increments.initial,
             untroubled: 0,
             patience: PATIENCE,
-            rising: RISING,
-            on_path: 0,
+            paths: Paths {
+                rising: RISING,
+                on_path: 0,
+                lost: 0,
+                passed_over: 0,
+            },
             left_at: 0.0,
-            lost: 0,
-            passed_over: 0,
             snaps: false,
             softens: softens(model),
         }
@@ -331,7 +341,7 @@ impl Fallback {
 
     /// Whether the path is left after this increment, wherever it leads.
     pub fn ends_path(&self) -> bool {
-        self.method().follows_path() && self.on_path >= LONGEST_PATH
+        self.method().follows_path() && self.paths.on_path >= LONGEST_PATH
     }
 
     /// Whether a smaller increment is not worth an attempt.
@@ -389,16 +399,16 @@ impl Fallback {
                 self.untroubled = 0;
                 return;
             }
-            self.passed_over = 2 << self.lost.min(MOST_LOST);
-            self.lost += 1;
+            self.paths.passed_over = 2 << self.paths.lost.min(MOST_LOST);
+            self.paths.lost += 1;
         }
         let last = self.choices.len() - 1;
         let mut next = (self.at + 1).min(last);
         if self.choices[next].method == Method::Dissipation
             && wanted.is_none()
-            && self.passed_over > 0
+            && self.paths.passed_over > 0
         {
-            self.passed_over -= 1;
+            self.paths.passed_over -= 1;
             next += 1;
         }
         // A path with consistent tangents is for snaps only: otherwise extrapolation is cheaper.
@@ -451,7 +461,7 @@ impl Fallback {
     pub fn take_first_again(&mut self, report: Report, moves: bool, added: f64, load: f64) -> bool {
         self.stalls = 0;
         let on_path = self.method().follows_path();
-        self.on_path = if on_path { self.on_path + 1 } else { 0 };
+        self.paths.on_path = if on_path { self.paths.on_path + 1 } else { 0 };
         if self.at == 0 {
             return false;
         }
@@ -462,13 +472,13 @@ impl Fallback {
             Method::Static | Method::DisplacementControl => {
                 (report.iterations <= EASY, self.patience)
             }
-            _ => (added > 0.0 && load >= self.left_at, self.rising),
+            _ => (added > 0.0 && load >= self.left_at, self.paths.rising),
         };
         self.untroubled = if passed { self.untroubled + 1 } else { 0 };
-        if self.on_path > LONGEST_PATH {
-            self.lost = MOST_LOST;
-            self.passed_over = 2 << MOST_LOST;
-            (self.at, self.untroubled, self.on_path) = (0, 0, 0);
+        if self.paths.on_path > LONGEST_PATH {
+            self.paths.lost = MOST_LOST;
+            self.paths.passed_over = 2 << MOST_LOST;
+            (self.at, self.untroubled, self.paths.on_path) = (0, 0, 0);
             return true;
         }
         if self.untroubled < needed {
@@ -478,7 +488,7 @@ impl Fallback {
             Method::QuasiStatic | Method::Direct | Method::Static | Method::DisplacementControl => {
                 self.patience *= 2;
             }
-            Method::Dissipation => self.rising *= 2,
+            Method::Dissipation => self.paths.rising *= 2,
             _ => {}
         }
         (self.at, self.untroubled) = (0, 0);

@@ -71,6 +71,9 @@ pub(in crate::solve) struct Passage {
     pub by_work: f64,
     /// Rise of the force per part of the step at a linear start, if the increment had one.
     pub linear: Option<f64>,
+    /// Sign of a force that resists the motion: that of the way of a drive, or of a load that is steered. Where a
+    /// steered load snaps, its own way goes back.
+    pub sense: f64,
 }
 
 impl PeakWatch {
@@ -205,7 +208,7 @@ impl PeakWatch {
         }
         let size = passage.size;
         // Forces that resist the motion are positive.
-        let sign = passage.by_work.signum();
+        let sign = passage.sense;
         let [start, end] = [start, passage.force].map(|force| sign * force);
         let largest = self.largest[usize::from(sign < 0.0)].max(start).max(end);
         let secant = (end - start) / size;
@@ -216,15 +219,14 @@ impl PeakWatch {
         }
         // Elastic stiffness: that of the increment before, and the largest of all. A soft penalty underestimates that
         // of a linear start.
-        let (near, stiffest, softened) = if let Some([first, force]) = before {
+        let (near, softened) = if let Some([first, force]) = before {
             let rise = (start - sign * force) / (time - first);
             // After a fall the force may rise as steeply.
-            let near = rise.abs().min(self.stiffest).max(secant);
-            (near, self.stiffest.max(near), 1.0)
+            (rise.abs().min(self.stiffest).max(secant), 1.0)
         } else {
             let linear = passage.linear.map_or(0.0, |linear| sign * linear);
             let near = linear.max(secant).max(earlier.unwrap_or(0.0));
-            (near, near, SOFT_START)
+            (near, SOFT_START)
         };
         // Force at the end if everything stays elastic.
         let most = start + softened * near * size;
@@ -232,9 +234,9 @@ impl PeakWatch {
         if near <= 0.0 && !is_first || near > 0.0 && most <= (1.0 + part) * largest {
             return None;
         }
-        let by_work = passage.by_work.abs();
+        let by_work = sign * passage.by_work;
         let works = work();
-        let is_straight = |w: &f64| by_work * w <= LINEAR * part * largest;
+        let is_straight = |w: &f64| by_work.abs() * w <= LINEAR * part * largest;
         if is_first && works.whole.iter().all(is_straight) {
             return None;
         }
@@ -242,12 +244,10 @@ impl PeakWatch {
             // The whole increment lies beyond the peak.
             return Some(SHORTEST * size);
         }
-        let yields = |stiffness: f64| (1.0 - secant / stiffness).max(YIELDS);
-        let on_way = (end - start) * by_work;
-        let inelastic = if is_first || self.stiffest_on_way == 0.0 {
-            yields(stiffest)
+        let inelastic = if is_first {
+            (1.0 - secant / near).max(YIELDS)
         } else {
-            (1.0 - on_way / self.stiffest_on_way.max(on_way)).max(YIELDS)
+            self.inelastic_part((end - start) * by_work, secant / self.stiffest.max(near))
         };
         let forces = PARTS.iter().zip(&works.inelastic).map(|(&s, w)| {
             let most = most + s * (end - most);
@@ -259,7 +259,7 @@ impl PeakWatch {
         let elsewhere = secant > 0.0 && before.is_some() && force > most;
         // Unless a peak is left even if the points that yield take the whole displacement.
         let (peak, elsewhere) = if elsewhere {
-            let evenly = evenly([start, end], near * size, by_work, &works);
+            let evenly = evenly([start, end], near * size, by_work.abs(), &works);
             (evenly, evenly <= (1.0 + CORNER * part) * largest)
         } else {
             (force.min(most), false)
@@ -267,9 +267,24 @@ impl PeakWatch {
         if elsewhere || peak <= (1.0 + part) * largest {
             return None;
         }
-        let (stiffness, yields) = (near, yields(near));
-        let at = (peak - start) / (stiffness * size) + yields * s;
+        let at = (peak - start) / (near * size) + s * (1.0 - secant / near).max(YIELDS);
         Some(at.clamp(SHORTEST, LONGEST) * size)
+    }
+}
+
+impl PeakWatch {
+    /// Inelastic part of the way of an increment, of which the rise of the force over the work, `on_way`, and its rise
+    /// over the elastic one per part of the step are known. Negative where the way goes back.
+    fn inelastic_part(&self, on_way: f64, elastic: f64) -> f64 {
+        if self.stiffest_on_way == 0.0 {
+            return (1.0 - elastic).max(YIELDS);
+        }
+        let part = 1.0 - on_way / self.stiffest_on_way;
+        if on_way > self.stiffest_on_way {
+            part.min(-YIELDS)
+        } else {
+            part.max(YIELDS)
+        }
     }
 }
 
@@ -419,6 +434,7 @@ mod tests {
                     force: sign * self.force(to),
                     by_work: 1.0 / (sign * (to - from)),
                     linear: (at == 0.0).then_some(sign * stiffness * way),
+                    sense: sign,
                 };
                 let [g0, g1] = [from, to].map(|u| self.gap(u));
                 let work = || {

@@ -184,23 +184,14 @@ impl Run<'_> {
         let (mut softening, mut loads) = (Softening::default(), true);
         let mut at_rest = false;
         let mut driven = 0.0;
-        let work = self.energy_watch.work().max(self.state.energies.taken());
         for _ in 0..MOST {
             if let Some(dashpots) = &mut step_run.newton.dashpots {
                 let factor = if at_rest { 0.0 } else { softening.factor };
                 (dashpots.factor, dashpots.loads) = (factor, loads);
             }
-            let (report, spent) = match self.relax_once(step_run, request, loads, recorder) {
-                Outcome::Converged(report) => {
-                    // What makes energy has come to another equilibrium, far away.
-                    let made = self.energy_made(step_run);
-                    ((made <= LOST * work).then_some(report), report.iterations)
-                }
-                Outcome::Rejected(_, spent) => (None, spent),
-            };
-            let report = match report {
-                Some(report) => report,
-                None => {
+            let report = match self.relax_once(step_run, request, loads, recorder) {
+                Ok(report) => report,
+                Err(spent) => {
                     step_run.attempts.solves += spent;
                     if at_rest {
                         return None; // only dashpots held it
@@ -273,14 +264,14 @@ impl Run<'_> {
         energies.damping -= drag;
     }
 
-    /// One sub-increment. `loads`: whether it adds the loads of the increment.
+    /// One sub-increment; the number of its solves if it failed. `loads`: whether it adds the loads of the increment.
     fn relax_once(
         &mut self,
         step_run: &mut StepRun,
         request: IncrementRequest,
         loads: bool,
         recorder: &mut dyn Recorder,
-    ) -> Outcome {
+    ) -> Result<Report, usize> {
         let (before, time, index) = (step_run.attempts.solves, self.state.time, step_run.index);
         let mut tell = |count| recorder.progress(index, time, before + count);
         let (load_end, part) = if loads {
@@ -291,7 +282,7 @@ impl Run<'_> {
         };
         let steers = step_run.step.procedure == Procedure::DisplacementControl;
         let control = step_run.path.control.as_ref().filter(|_| steers);
-        step_run.newton.converge(&mut Problem {
+        let outcome = step_run.newton.converge(&mut Problem {
             system: &mut self.system,
             state: &self.state,
             trial: &mut self.trial,
@@ -303,7 +294,16 @@ impl Run<'_> {
                 advance: control.map_or(Advance::Load, |control| control.along(part)),
             },
             solves: Solves::new(&mut tell),
-        })
+        });
+        let work = self.energy_watch.work().max(self.state.energies.taken());
+        match outcome {
+            // What makes energy has come to another equilibrium, far away.
+            Outcome::Converged(report) if self.energy_made(step_run) > LOST * work => {
+                Err(report.iterations)
+            }
+            Outcome::Converged(report) => Ok(report),
+            Outcome::Rejected(_, spent) => Err(spent),
+        }
     }
 }
 
