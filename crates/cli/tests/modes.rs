@@ -122,7 +122,7 @@ material = "stone"
 [[springs]]
 name = "soil"
 on = "block"
-stiffness = [100, 100, 100]
+stiffness = [100, 130, 170]
 [[supports]]
 on = "ground"
 [[ties]]

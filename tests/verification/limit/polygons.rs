@@ -190,8 +190,8 @@ fn any_joint_is_crushed_over_its_block_of_stress() {
             for settings in [crushed, whole] {
                 let found = analyse(&model, &settings).unwrap();
                 let ratio = found.factor / known;
-                // Strips and directions of the known factor below.
-                assert!(ratio > 0.998 && ratio < 1.02, "{base:?} {part}: {ratio}");
+                // Strips of the known factor below; 20 borders in 36 directions above, 2.2 % for this triangle.
+                assert!(ratio > 0.998 && ratio < 1.025, "{base:?} {part}: {ratio}");
             }
         }
     }

@@ -101,8 +101,8 @@ fn a_displacement_that_steers_the_load_does_not_hide_the_peak() {
              }}\n[[steps.loads]]\nname = \"H\"\non = \"upper.top\"\nforce = [0, 0, 80000]\n"
         );
         let found = peak(&text) / 40.0;
-        // `increments.peak` of 0.5 %, twice.
-        assert!((found - 1.0).abs() < 0.01, "{way} mm: {found}");
+        // Four times `increments.peak` of 0.5 % may be missed where the force still rises at the end of an increment.
+        assert!((found - 1.0).abs() < 0.02, "{way} mm: {found}");
     }
 }
 
