@@ -22,6 +22,9 @@ use wythe_contact::{Aabb, Bvh, JointLaw};
 /// wrong at 0.35 and less of it, and 0.2 % at 0.45 and more, with exponential and nearly linear softening.
 const LEAST: f64 = 0.4;
 
+/// Length over depth of a flat element. Couplets of elements up to four times as long as deep had the right residual force.
+const FLAT: f64 = 3.0;
+
 /// Cosine of the angle between two facets above which they do not face each other.
 const FACING: f64 = -0.5;
 
@@ -88,7 +91,8 @@ pub(super) fn flat_elements(deck: &Deck, model: &Model) -> Vec<Warning> {
         } else {
             slave
         };
-        if stiffness < LEAST * slope && told.insert(flatter.body) {
+        let is_flat = flatter.size[0] > FLAT * flatter.size[1];
+        if is_flat && stiffness < LEAST * slope && told.insert(flatter.body) {
             let law = &contact.law_names[law];
             warnings.push(warning(deck, model, &flatter, (law, stiffness, *slope)));
         }
