@@ -11,7 +11,7 @@
 
 use super::schema::Deck;
 use crate::element::Formulation;
-use crate::element::hexahedron::{area_vector, difference, dot, mean, norm};
+use crate::element::hexahedron::{EDGES, area_vector, difference, dot, mean, norm};
 use crate::error::Warning;
 use crate::model::Model;
 use crate::model::boundary_facets::BoundaryFacets;
@@ -112,22 +112,6 @@ fn may_be_flat(model: &Model, least: f64) -> bool {
     };
     least > 0.0 && (0..mesh.elements.len()).any(is_flat)
 }
-
-/// Edges of a hexahedron, by its corners.
-const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
 
 /// Compliance of an element of this length and depth [mm³/N]; 0 for a rigid one.
 fn compliance(model: &Model, element: usize, [length, depth]: [f64; 2]) -> f64 {
