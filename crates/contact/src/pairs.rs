@@ -152,8 +152,8 @@ pub struct Reach {
     pub held: bool,
 }
 
-/// Part of its present distance by which that to the next facet may differ where a point changes to it.
-const STEP: f64 = 0.5;
+/// Part of its present depth by which that behind the next facet may differ where a point changes to it.
+const DEEPER: f64 = 0.5;
 
 /// The facet that a point faces. The point keeps its present facet while it stays on it. Otherwise it takes the
 /// nearest candidate onto which it projects. Otherwise it takes the nearest candidate beyond whose edge it lies by no
@@ -212,7 +212,7 @@ pub fn pair_point(
         Some((present, rim)) if !over => {
             let [pressed, next] = [rim.gap, foot.gap].map(|gap| gap.min(0.0));
             let other = master.body[facet as usize] != master.body[present as usize];
-            let is_step = other && (next - pressed).abs() > flush + STEP * pressed.abs();
+            let is_step = other && (next - pressed).abs() > flush + DEEPER * pressed.abs();
             let (facet, foot) = if is_step {
                 (present, rim)
             } else {

@@ -250,7 +250,7 @@ fn density(model: &Model, element: usize) -> f64 {
 }
 
 /// ∫ N_a dV [mm³] from det J · w at the Gauss points, which are ordered like the nodes.
-pub(super) fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
+fn nodal_volumes(weight: &[f64; 8]) -> [f64; 8] {
     CORNERS.map(|a| {
         let points = CORNERS.iter().zip(weight);
         points.map(|(g, w)| w * shape(a, *g)).sum()

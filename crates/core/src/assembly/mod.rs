@@ -150,7 +150,7 @@ impl System {
             rigid: RigidBodies::default(),
             general: General::new(model, &mass),
             mass,
-            cuts: Cut::all(model, &bulk),
+            cuts: Cut::all(model),
             dofs,
             bulk,
             contact: Contact::new(model),

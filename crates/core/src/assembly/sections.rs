@@ -8,14 +8,12 @@
 //! ```
 //!
 //! and with the moment of these forces about the centre of the section, at the present positions of the nodes
-//! (theory/sections.md, eqs 1 and 2). f_A: forces that a node exerts on elements, facets and ties of A; r: what acts on
-//! the node from outside; w: part of the volume at the node that is A's. Both are in equilibrium with the loads and
+//! (theory/sections.md, eqs 1 and 2). f_A: forces that a node exerts on elements, facets and ties of A; r: external force
+//! on the node; w: part of the volume at the node that is A's. Both are in equilibrium with the loads and
 //! reactions of either part to the tolerance of the increment.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::bulk::Bulk;
-use super::mass::nodal_volumes;
 use super::{System, Trial};
 use crate::element::hexahedron::{cross, difference, dot};
 use crate::model::Model;
@@ -69,7 +67,7 @@ impl Resultant<'_> {
 
 impl Cut {
     /// Prepares all sections of a model.
-    pub fn all(model: &Model, bulk: &Bulk) -> Vec<Self> {
+    pub fn all(model: &Model) -> Vec<Self> {
         if model.sections.is_empty() {
             return Vec::new();
         }
@@ -81,12 +79,12 @@ impl Cut {
         let general = general.map_or_else(Vec::new, |general| skin.behind(&general.skin.facets));
         let sections = model.sections.iter();
         sections
-            .map(|section| Self::of(model, bulk, section, [&slave, &master, &general]))
+            .map(|section| Self::of(model, section, [&slave, &master, &general]))
             .collect()
     }
 
     /// Prepares a section. `behind`: elements behind the slave facets, the master facets, and those of general contact.
-    fn of(model: &Model, bulk: &Bulk, section: &Section, behind: [&Vec<Option<u32>>; 3]) -> Self {
+    fn of(model: &Model, section: &Section, behind: [&Vec<Option<u32>>; 3]) -> Self {
         let mesh = &model.mesh;
         let mut side: Vec<Side> = vec![0; mesh.elements.len()];
         section.above.iter().for_each(|e| side[*e as usize] = 1);
@@ -111,7 +109,7 @@ impl Cut {
         let [slave, master, general] = behind.map(sides);
         Self {
             solids: solids.collect(),
-            common: parts_above(model, bulk, &side, &common),
+            common: parts_above(model, &side, &common),
             slave,
             master,
             general,
@@ -181,19 +179,13 @@ fn nodes_at(model: &Model, section: &Section) -> Vec<u32> {
 }
 
 /// Part of the volume at each of some nodes that lies above; ascending.
-fn parts_above(
-    model: &Model,
-    bulk: &Bulk,
-    side: &[Side],
-    common: &FxHashSet<u32>,
-) -> Vec<(u32, f64)> {
+fn parts_above(model: &Model, side: &[Side], common: &FxHashSet<u32>) -> Vec<(u32, f64)> {
     let mut volumes: FxHashMap<u32, [f64; 2]> = common.iter().map(|n| (*n, [0.0; 2])).collect();
     for (e, nodes) in model.mesh.elements.iter().enumerate() {
         if !nodes.iter().any(|n| common.contains(n)) {
             continue;
         }
-        let own = nodal_volumes(&bulk.shape(e).weight);
-        for (n, volume) in nodes.iter().zip(own) {
+        for (n, volume) in nodes.iter().zip(model.mesh.nodal_volumes(e)) {
             if let Some([above, all]) = volumes.get_mut(n) {
                 *all += volume;
                 *above += if side[e] == 1 { volume } else { 0.0 };
@@ -264,8 +256,8 @@ impl System {
         }
     }
 
-    /// Gives A its part of what acts from outside on the nodes that both parts share: loads, weights, reactions, springs
-    /// and inertia are what solids, joints and ties leave there.
+    /// Gives A its part of the external forces on the nodes that both parts share: loads, weights, reactions, springs and
+    /// inertia balance the forces of solids, joints and ties there.
     fn give_outside(&self, cut: &Cut, trial: &Trial, sum: &mut Resultant<'_>) {
         for (node, part) in &cut.common {
             let outside = trial.node_force[*node as usize];

@@ -270,9 +270,7 @@ impl PeakWatch {
         let at = (peak - start) / (near * size) + s * (1.0 - secant / near).max(YIELDS);
         Some(at.clamp(SHORTEST, LONGEST) * size)
     }
-}
 
-impl PeakWatch {
     /// Inelastic part of the way of an increment, of which the rise of the force over the work, `on_way`, and its rise
     /// over the elastic one per part of the step are known. Negative where the way goes back.
     fn inelastic_part(&self, on_way: f64, elastic: f64) -> f64 {
