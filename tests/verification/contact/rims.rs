@@ -170,6 +170,6 @@ fn units_beside_a_column_that_settles_stay_on_their_own() {
         last = row.numerical_dissipation_J;
     }
     let work = recording.rows.last().unwrap().external_work_J;
-    // Crushed corners and sliding points leave some hundredths of a percent.
+    // A point that changes facets may press twice as deep: 8e-4 of the work in the worst increment, 0.4 where it climbs.
     assert!(made < 2e-3 * work, "{made} of {work} J");
 }
