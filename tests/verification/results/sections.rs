@@ -234,7 +234,7 @@ tolerance = { residual = 1e-8 }
     }
 }
 
-/// A beam of one block, held at one end, under a layer: its root carries what lies between the cut and its free end.
+/// A beam of one block, held at one end, under a layer: its root carries all loads between the cut and its free end.
 #[test]
 fn a_load_on_the_nodes_of_a_cut_acts_on_both_parts() {
     let text = format!(
@@ -340,7 +340,7 @@ tolerance = { residual = 1e-4 }
 loads = [{ name = "pull", on = "B.right", force = ["1 kN", 0, 0] }]
 "#;
 
-/// The joints at the nodes of the cut carry what its elements do not.
+/// The joints at the nodes of the cut carry the rest of the force of its elements.
 #[test]
 fn a_cut_through_a_body_has_the_forces_of_the_joints_beside_it() {
     let (_, model) = deck_and_model(LINKED);

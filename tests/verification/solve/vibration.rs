@@ -200,7 +200,7 @@ const ROD: TieLaw = TieLaw {
     compression: true,
 };
 
-/// The model with a rod between slab and block, and what it adds to the square of the vertical frequency [1/s²].
+/// The model with a rod between slab and block, and the rise of the square of the vertical frequency by it [1/s²].
 fn with_rod(model: &Model, law: TieLaw) -> (Model, f64) {
     let [x, y, z] = BLOCK;
     let ends = [[0.5 * x, 0.5 * y, -25.0], [0.5 * x, 0.5 * y, 0.5 * z]];

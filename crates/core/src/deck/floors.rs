@@ -213,7 +213,7 @@ fn sides(
 }
 
 /// Quarters of a turn of the directions after which the first side lies along u, and the next one along u beyond it:
-/// what only rounding would decide is then the same however the floor is turned.
+/// rounding then decides nothing, however the floor is turned.
 fn quarters(sides: &[(usize, Side)]) -> usize {
     let Some((along, first)) = sides.first() else {
         return 0;

@@ -63,7 +63,7 @@ fn cause(deck: &Deck, masonry: &Masonry<'_>, [from, to]: [f64; 2], more: f64) ->
             (format!("{other}.at"), remedy)
         };
     }
-    let remedy = |what: &str| format!("{what} {more:.2} mm nearer leaves no such rest");
+    let remedy = |edge: &str| format!("{edge} {more:.2} mm nearer leaves no such rest");
     if wall.openings.is_empty() {
         return (format!("{path}.length"), remedy("an end of the wall"));
     }

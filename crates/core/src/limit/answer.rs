@@ -108,7 +108,7 @@ pub struct TieForce {
     pub force: f64,
 }
 
-/// Part of the associated factor below which the factor without dilatancy tells little of what runs carry.
+/// Part of the associated factor below which the factor without dilatancy says little about the factor of runs.
 const APART: f64 = 0.8;
 
 impl RigidScene<'_> {

@@ -171,8 +171,8 @@ mod tests {
         all.iter().map(of_border).fold(f64::INFINITY, f64::min)
     }
 
-    /// Towards the apex of a triangle of height h the block is a similar one of height h √(N/f_c A), and away from it what
-    /// a similar one leaves.
+    /// Towards the apex of a triangle of height h the block is a similar one of height h √(N/f_c A), and away from it the
+    /// rest beside a similar one.
     #[test]
     fn blocks_in_a_triangle_have_their_closed_forms() {
         let h = 260.0;
@@ -184,7 +184,7 @@ mod tests {
                 found > 0.999 * apex && found < 1.02 * apex,
                 "{part}: {found} {apex}"
             );
-            // M = 0 of the whole: what is left is the triangle of the rest, towards the apex.
+            // M = 0 of the whole: the rest is a triangle towards the apex.
             let rest = 1.0 - part;
             let base = 2.0 / 3.0 * h * (1.0 - rest.sqrt()) * rest / part;
             let found = eccentricity(&triangle, [0.0, -1.0], part);

@@ -29,8 +29,8 @@ pub struct StepOfCurve {
     pub driven: bool,
     /// Its increments show another drive, so that the curve does not begin at them.
     pub other: bool,
-    /// What gives the force of its increments with inertia, which only leads from one equilibrium to the next in
-    /// procedures that seek these.
+    /// Origin of the force in increments with inertia. Procedures that seek equilibria use inertia only to reach the next
+    /// one.
     pub inertia: ForceBy,
 }
 

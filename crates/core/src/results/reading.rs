@@ -385,7 +385,7 @@ fn steps_of_curve(deck: &str) -> Option<Vec<StepOfCurve>> {
     Some(steps.iter().map(of).collect())
 }
 
-/// What gives the force of increments with inertia in a step of a deck.
+/// Origin of the force in increments with inertia of a step of a deck.
 fn force_by(step: &toml::Value, drives: bool) -> ForceBy {
     let procedure = step.get("procedure").and_then(toml::Value::as_str);
     match procedure.unwrap_or("auto") {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{HistoryRow, is_moving};
 
-/// What gives the force of an increment, of which inertia may carry a part.
+/// Origin of the force of an increment, of which inertia may carry a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ForceBy {
     /// Equilibrium, or motion that the deck asks for: all of it counts.

@@ -149,7 +149,7 @@ impl Bay<'_> {
         let (span, whole) = (self.span(), self.width());
         let gaps: Vec<f64> = joists.windows(2).map(|w| self.gap(&w[0], &w[1])).collect();
         let (braces, stiffening) = self.braces(&joists, &gaps);
-        // What braces add along the joists is taken from these.
+        // The stiffness of the braces along the joists is taken from these.
         let own = axial * whole / span;
         let left = if own > 0.0 {
             (1.0 - shear * stiffening / own).max(0.0)
@@ -181,8 +181,8 @@ impl Bay<'_> {
         0.5 * (gaps[0] + gaps[1])
     }
 
-    /// Strands of the braces between joists with these `gaps`, and what they add to the stiffness along the span, over
-    /// that against shear.
+    /// Strands of the braces between joists with these `gaps`, and their stiffness along the span over that against
+    /// shear.
     fn braces(&self, joists: &[[&Bearing; 2]], gaps: &[f64]) -> (Vec<Strand>, f64) {
         let span = self.span();
         // Braces join joists about as far apart as the floor spans: steeper ones would stiffen it along the joists.

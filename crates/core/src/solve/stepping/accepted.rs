@@ -1,4 +1,4 @@
-//! An accepted increment: its commit, the counters and watches that it feeds, and the choice of what comes next
+//! An accepted increment: its commit, the counters and watches that it feeds, and the choice of the next one
 //! (docs/theory/procedures.md, Algorithm).
 
 use super::acceptance::growth;

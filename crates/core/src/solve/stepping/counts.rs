@@ -149,7 +149,7 @@ pub struct Carried {
 }
 
 impl Carried {
-    /// Adds a committed increment; `by`: what gives its force; `viscous`: part of it that viscosity carries. Returns
+    /// Adds a committed increment; `by`: origin of its force; `viscous`: part of it that viscosity carries. Returns
     /// whether inertia carries its force.
     pub fn add(&mut self, row: &HistoryRow, by: ForceBy, viscous: f64) -> bool {
         let moving = self.motion.follow(row, by);

@@ -297,7 +297,7 @@ impl Run<'_> {
         });
         let work = self.energy_watch.work().max(self.state.energies.taken());
         match outcome {
-            // What makes energy has come to another equilibrium, far away.
+            // An equilibrium with more energy is another one, far away.
             Outcome::Converged(report) if self.energy_made(step_run) > LOST * work => {
                 Err(report.iterations)
             }
