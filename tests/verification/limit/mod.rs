@@ -389,6 +389,11 @@ fn what_has_no_factor_says_why() {
         ..settings
     };
     assert!(analyse(&wall, &associated(crushed)).unwrap().force.unwrap() > 100.0);
+    let held = scene(
+        "[[blocks]]\nname = \"pier\"\nsize = [200, 100, 800]\nmaterial = \"stone\"\n\
+         [[supports]]\non = \"pier.bottom\"\n[[steps]]\nkind = \"gravity\"\n",
+    );
+    assert_eq!(analyse(&held, &along(0)).unwrap_err(), LimitError::AllHeld);
     let quarter = read("examples/65_quarter_wall.toml");
     assert_eq!(
         analyse(&quarter, &settings).unwrap_err(),
@@ -397,6 +402,7 @@ fn what_has_no_factor_says_why() {
     for why in [
         LimitError::NothingLive,
         LimitError::Unbounded,
+        LimitError::AllHeld,
         LimitError::Symmetry,
     ] {
         assert!(!why.advice().is_empty());

@@ -73,6 +73,9 @@ pub enum LimitError {
     /// Every factor is carried.
     #[error("rigid units carry any factor: no mechanism lets the live loads do work")]
     Unbounded,
+    /// No body can move.
+    #[error("supports hold every body: no mechanism can form")]
+    AllHeld,
     /// Every factor is carried by springs and ties, whose names these are.
     #[error("rigid units carry any factor: the live loads are held without limit by {0}")]
     Held(String),
@@ -86,7 +89,8 @@ impl LimitError {
     pub fn advice(&self) -> &'static str {
         match self {
             Self::NothingLive => {
-                "add a step of the kind drive, load or tilt, or give the direction of a body force (--along x)"
+                "add a step of the kind drive, load or tilt, or give the direction of a body force (--along x); \
+                 ground that settles loads nothing"
             }
             Self::Symmetry => "model the whole scene for a limit analysis",
             Self::Layer(_) => {
@@ -100,6 +104,7 @@ impl LimitError {
                 "strut action between supports that do not yield: give a compressive strength (--strength), or \
                  let the top move vertically"
             }
+            Self::AllHeld => "look at the supports: free the units that shall move",
             Self::Held(_) => {
                 "springs have no strength: leave out those that may yield, or drive them in the live step; f_y gives \
                  one to a tie"

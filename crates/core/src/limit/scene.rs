@@ -132,6 +132,9 @@ impl<'a> RigidScene<'a> {
         live: (usize, Live),
         settings: &LimitSettings,
     ) -> LimitError {
+        if why == LimitError::Unbounded && self.unknowns.motions.iter().all(Vec::is_empty) {
+            return LimitError::AllHeld;
+        }
         let holders = self.holders();
         if why != LimitError::Unbounded || holders.is_empty() {
             return why;
