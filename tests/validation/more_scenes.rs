@@ -68,7 +68,7 @@ fn headers_hand_a_part_of_the_load_to_the_leaf_behind() {
     println!("{with}, {without} of {alone} mm");
     assert!(without < 1.01 * alone && without > alone / CONFINED);
     // The blocks of 5,000 MPa and 140 mm are as stiff as the front leaf. Above the header they take nothing, below it
-    // all that the header transfers.
+    // all that the header transfers: 0.85, not less than one half.
     assert!(with < 0.9 * without && with > 0.5 * without);
 }
 
@@ -180,8 +180,8 @@ fn concrete_carries_more_in_two_directions() {
         })
     };
     // Increments of 3 µm cut the corner at the peak between two rows.
-    near(force(&[]), 1.16 * 276.0, 1e-2);
-    near(force(&[("steps.0.loads.1.pressure", "0")]), 276.0, 1e-2);
+    near(force(&[]), 1.16 * 276.0, 2e-3);
+    near(force(&[("steps.0.loads.1.pressure", "0")]), 276.0, 2e-3);
 }
 
 #[test]
@@ -189,6 +189,7 @@ fn a_prism_is_stronger_than_its_mortar_and_weaker_than_its_bricks() {
     let rows = rows("81_prism", &[]);
     let strength = peak(&rows, |r| 1e3 * r.force_kN) / (204.0 * 49.0);
     println!("{strength} MPa");
+    // Strengths of the mortar and of the bricks.
     assert!(strength > 8.2 && strength < 11.5, "{strength} MPa");
     assert!(rows.last().unwrap().max_compressive_damage > 0.5);
 }
@@ -206,11 +207,13 @@ fn a_pressed_wallette_tears_through_its_bricks() {
     let most = 49.0 * (2.0 * 50.0 * 3.5 + 2.0 * 50.0 * 0.2 + 3.0 * 12.5 * 1.5);
     let (force, damage) = run(&[]);
     println!("{force} of {most} N, {damage}");
-    assert!(force < most && force > 0.7 * most);
+    // The bricks and the joints reach their strengths one after the other: 0.78 of the bound.
+    assert!(force < most && force > 0.75 * most);
     assert!(damage > 0.9);
     let (slides, whole) = run(&[("steps.0.loads.0.pressure", "0.1")]);
     println!("{slides} N, {whole}");
-    assert!(slides < 0.5 * force && whole < 0.1);
+    // The friction of the beds is 0.37 of that force.
+    assert!(slides < 0.4 * force && whole < 0.1);
 }
 
 #[test]
@@ -221,7 +224,8 @@ fn a_wallette_cracks_along_its_diagonal() {
     let most = 1e-3 * 420.5 * 49.0 * (0.22 + 0.75 * 1.5);
     let force = peak(&rows, |r| r.force_kN);
     println!("{force} of {most} kN");
-    assert!(force < most && force > 0.6 * most);
+    // The crack goes down in steps, with bricks torn between them: 0.78 of the bound.
+    assert!(force < most && force > 0.75 * most);
     assert!(last.max_interface_damage > 0.99 && last.max_tensile_damage > 0.5);
 }
 
@@ -238,7 +242,8 @@ fn a_push_in_the_plane_weakens_a_wall_out_of_it() {
         pressure(&[("steps.1.displacement", "0.001")]),
     );
     println!("{pushed}, {alone} kPa");
-    assert!(pushed > 0.0 && pushed < 0.97 * alone);
+    // The joints that slid have lost their bond: 0.86 of the wall that was not pushed.
+    assert!(pushed > 0.8 * alone && pushed < 0.9 * alone);
 }
 
 /// Limit analysis of rigid voussoirs with flat faces (docs/validation/05-arches).
@@ -246,8 +251,8 @@ fn a_push_in_the_plane_weakens_a_wall_out_of_it() {
 fn an_arch_is_pushed_sideways_until_four_hinges_open() {
     let rows = rows("85_arch_sideways", &[]);
     let pushed = rows.iter().filter(|r| r.step == 1);
-    // Joints deform by 0.01 mm before the last hinge opens.
-    near(peak(pushed, |r| r.load_factor), 0.16134, 2e-2);
+    // Joints deform by 0.01 mm before the last hinge opens: 0.05 % less.
+    near(peak(pushed, |r| r.load_factor), 0.16134, 2e-3);
 }
 
 #[test]
@@ -255,8 +260,9 @@ fn a_block_rocks_in_housners_time() {
     let rows = rows("86_rocking_block", &[]);
     let height = 200.0 * 5.65496_f64.to_radians().sin();
     let impact = rows.iter().find(|r| r.probes[0] > height - 0.01).unwrap();
-    // The linearised solution is 0.03 to 0.27 % too short; increments of half a millisecond.
-    near(impact.time, 1.38679 / 4.0, 1e-2);
+    // The linearised solution is 0.03 to 0.27 % too short; increments of half a millisecond are
+    // 0.14 %.
+    near(impact.time, 1.38679 / 4.0, 4e-3);
     // The block leaves more slowly than it arrived.
     let before = impact.probes[1].abs();
     assert!(rows.last().unwrap().probes[1].abs() < before);
