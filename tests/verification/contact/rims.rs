@@ -1,7 +1,7 @@
 //! The rim of a face supports another face that projects over it.
 
 use crate::common::blocks::deck_and_model;
-use crate::common::scene::{Recording, completed};
+use crate::common::scene::{self, Recording, completed};
 
 fn run(text: &str) -> Recording {
     completed(&deck_and_model(text).1)
@@ -172,4 +172,70 @@ fn units_beside_a_column_that_settles_stay_on_their_own() {
     let work = recording.rows.last().unwrap().external_work_J;
     // A point that changes facets may press twice as deep: 8e-4 of the work in the worst increment, 0.4 where it climbs.
     assert!(made < 2e-3 * work, "{made} of {work} J");
+}
+
+/// Planned contact does not see the side of a block: one that is dragged against a higher one enters it. The run says so.
+#[test]
+fn a_block_that_enters_another_is_told_of() {
+    let dragged_to_a_block_of = |height: f64| {
+        format!(
+            r#"
+            format = 1
+            [materials.soft]
+            E = 1000
+            nu = 0.3
+            [interfaces.dry]
+            f_t = 0
+            c = 0
+            tan_phi = 0.5
+            mu = 0.5
+            [[blocks]]
+            name = "base"
+            size = [150, 100, 50]
+            at = [0, 0, -50]
+            material = "soft"
+            [[blocks]]
+            name = "table"
+            size = [150, 100, {height}]
+            at = [150, 0, -50]
+            material = "soft"
+            [[blocks]]
+            name = "top"
+            size = [100, 100, 50]
+            at = [40, 0, 0]
+            material = "soft"
+            [[contacts]]
+            slave = "top.bottom"
+            master = "base.top"
+            interface = "dry"
+            [[contacts]]
+            slave = "top.bottom"
+            master = "table.top"
+            interface = "dry"
+            [[supports]]
+            on = "base.bottom"
+            [[supports]]
+            on = "table.bottom"
+            [[steps]]
+            kind = "preload"
+            face = "top.top"
+            pressure = 1
+            [[steps]]
+            kind = "drive"
+            face = "top.top"
+            direction = "x"
+            displacement = 60
+            free = ["z"]
+            "#
+        )
+    };
+    let told = |height: f64| {
+        scene::run(&deck_and_model(&dragged_to_a_block_of(height)).1)
+            .1
+            .warnings
+    };
+    assert_eq!(told(50.0), Vec::<String>::new());
+    let warnings = told(60.0);
+    let enters = |w: &&String| w.starts_with("top stands") && w.contains("within table");
+    assert!(warnings.iter().any(|w| enters(&w)), "{warnings:?}");
 }

@@ -6,6 +6,7 @@ pub(in crate::solve) mod commit;
 pub(in crate::solve) mod counts;
 pub(in crate::solve) mod damage_bound;
 pub(in crate::solve) mod energy_watch;
+mod entered;
 pub(in crate::solve) mod exchange;
 pub(in crate::solve) mod explain;
 pub(in crate::solve) mod fallback;

@@ -193,6 +193,7 @@ impl<'m> Run<'m> {
             .warnings
             .extend(self.energy_watch.made_warning());
         self.summary.warnings.extend(self.narrowed_bands());
+        self.summary.warnings.extend(self.entered_bodies());
         Ok(self.summary)
     }
 
