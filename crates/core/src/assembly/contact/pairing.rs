@@ -143,7 +143,7 @@ impl Contact {
     }
 
     /// Master facet of a point and the parameters of its foot, starting from its pair `before`.
-    fn pair(
+    pub(super) fn pair(
         &self,
         f: usize,
         p: usize,

@@ -41,6 +41,13 @@ impl Contact {
                 continue;
             }
             let Some((weights, pair)) = self.at_rim(model, p, pair, &trial.x) else {
+                if !self.lies_at(p, pair, &trial.x) {
+                    // It was moved before, and is back at its place at rest.
+                    let found = self.anew(p, pair, &trial.x);
+                    trial.joints.pairs[p] = found;
+                    trial.joints.anchors[p] = found;
+                    trial.joints.free[p] = found.facet.is_none();
+                }
                 continue;
             };
             self.points[p].weights = weights;
@@ -54,8 +61,27 @@ impl Contact {
 
     /// Whether a point at its place at rest lies above the facet of its pair, with the foot of that pair.
     fn is_over_its_facet(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> bool {
-        let Some(facet) = pair.facet.filter(|_| stays_on(pair.xi)) else {
-            return false;
+        pair.facet.is_some() && stays_on(pair.xi) && self.lies_at(p, pair, x)
+    }
+
+    /// The pair that a point at its place at rest has by its position alone: the facet onto which it projects, no deeper
+    /// behind it than behind that of the pair `before` and the step that points climb.
+    fn anew(&self, p: usize, before: PointPair, x: &[[f64; 3]]) -> PointPair {
+        let found = self.pair(p / 4, p % 4, PointPair::default(), true, x);
+        let found = found.map(|(facet, xi)| PointPair {
+            facet: Some(facet),
+            xi,
+        });
+        let deepest = self.distances.step + self.depth(p, before, x);
+        found
+            .filter(|pair| self.depth(p, *pair, x) <= deepest)
+            .unwrap_or_default()
+    }
+
+    /// Whether a point at its place at rest has the foot of its pair. True without a pair.
+    fn lies_at(&self, p: usize, pair: PointPair, x: &[[f64; 3]]) -> bool {
+        let Some(facet) = pair.facet else {
+            return true;
         };
         let corners = self.master.corners(facet as usize, x);
         let way = self.position(p / 4, p % 4, x) - blend(&weights_at(pair.xi), &corners);
