@@ -28,9 +28,17 @@ fn the_checker_reports_walls_with_too_few_elements_for_bending() {
     let text = std::fs::read_to_string(path("03_shear_wall_j7d")).unwrap();
     let silent = Deck::from_str(&text.replace("mesh = \"coarse\"", ""), "wall.toml").unwrap();
     assert_eq!(silent.wall.unwrap().mesh.thickness, 2);
-    let mesh = |overrides| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
+    let mesh =
+        |overrides: &[(&str, &str)]| load("62_out_of_plane_wall", overrides).wall.unwrap().mesh;
     assert_eq!(mesh(&[]).thickness, 3);
     assert_eq!(mesh(&[("wall.mesh", "coarse")]).thickness, 2);
+    // A part of the wall, and a wall along y, whose faces are left and right.
+    let along = |axis: &'static str, face: &'static str| {
+        mesh(&[("wall.along", axis), ("steps.1.loads.0.on", face)]).thickness
+    };
+    assert_eq!(along("x", "wall.course-3.front"), 3);
+    assert_eq!(along("y", "wall.right"), 3);
+    assert_eq!(along("y", "wall.front"), 2);
     // The default stiffness of joints in walls with mortar is a tenth of that of other joints.
     let factor = |name: &str, overrides: &[(&str, &str)]| {
         load(name, overrides).interfaces["joint"].penalty()
@@ -407,4 +415,35 @@ fn mortar_of_the_examples_is_not_too_flat() {
         let flat = warnings.iter().find(|w| w.message.contains("are flat"));
         assert!(flat.is_none(), "{name}: {flat:?}");
     }
+}
+
+/// A scene that may move as a whole along an axis has a warning for it, and one that anything holds there has none.
+#[test]
+fn the_checker_tells_of_scenes_that_nothing_holds_along_an_axis() {
+    let loose = |supports: &str, more: &str| {
+        let text = format!(
+            "format = 1\nmaterials.stone = {{ E = \"5 GPa\", nu = 0.2, density = \"2000 kg/m^3\" }}\n\
+             [[blocks]]\nname = \"block\"\nsize = [400, 300, 200]\nmaterial = \"stone\"\n{supports}\n\
+             [[steps]]\nkind = \"gravity\"\n{more}"
+        );
+        let deck = Deck::from_str(&text, "block.toml").unwrap();
+        let (_, warnings) = Model::from_deck(&deck).unwrap();
+        let told = warnings.iter().filter_map(|warning| {
+            let rest = warning
+                .message
+                .strip_prefix("nothing holds the scene along ")?;
+            rest.chars().next()
+        });
+        told.collect::<String>()
+    };
+    let bed = "[[supports]]\non = \"block.bottom\"\nfixed = [\"z\"]";
+    let spring = "[[springs]]\nname = \"s\"\non = \"block.left\"\nstiffness = [100, 0, 0]";
+    let drive = "[[steps]]\nkind = \"drive\"\nface = \"block.top\"\ndirection = \"y\"\ndisplacement = 1\n\
+                 free = [\"x\"]\n";
+    let flies = "procedure = \"dynamic\"\n";
+    assert_eq!(loose("[[supports]]\non = \"block.bottom\"", ""), "");
+    assert_eq!(loose(bed, ""), "xy");
+    assert_eq!(loose(&format!("{bed}\n{spring}"), ""), "y");
+    assert_eq!(loose(bed, drive), "x");
+    assert_eq!(loose(bed, flies), "");
 }

@@ -44,6 +44,11 @@ loads = [{{ name = "weight", on = "column.top", traction = [0, 0, -{pressure}] }
     assert!(!falls(&prop("[0, 1e4, 0]")));
     assert!(falls(&prop("[1e4, 0, 0]")));
     assert!(falls(&prop("[0, 0, 100]")));
+    // Far beyond Euler's load, where several modes have a negative stiffness.
+    for times in [5.0, 12.0, 25.0] {
+        let (status, _) = column(times * 0.514, "[2, 2, 10]");
+        assert_eq!(status, Status::NotConverged, "{times}");
+    }
     // One, two and three elements across the plane out of which it buckles, and as many across the other.
     for mesh in ["[1, 1, 20]", "[2, 2, 20]", "[2, 3, 20]", "[3, 1, 20]"] {
         assert_eq!(column(0.46, mesh).0, Status::Completed, "{mesh}");
@@ -77,4 +82,33 @@ loads = [{ name = "weight", on = "prism.top", traction = [0, 0, -20] }]
     let summary = scene::run(&model).1;
     assert_eq!(summary.mirror_planes.len(), 2);
     assert_eq!(summary.status, Status::Completed, "{}", summary.message);
+}
+
+/// A slender prism that is crushed as a half, far beyond its Euler load of 1.03 MPa, has lost its symmetry before.
+#[test]
+fn a_column_that_would_buckle_is_not_crushed_as_a_half() {
+    let text = r#"format = 1
+[materials.stone]
+E = "2 GPa"
+nu = 0.2
+density = "2000 kg/m^3"
+f_t = "1 MPa"
+G_ft = "0.05 N/mm"
+f_c = "8 MPa"
+G_fc = "8 N/mm"
+[[blocks]]
+name = "column"
+size = [200, 100, 2000]
+material = "stone"
+mesh = [2, 2, 20]
+[[supports]]
+on = "column.bottom"
+[[steps]]
+kind = "load"
+loads = [{ name = "weight", on = "column.top", traction = [0, 0, -12] }]
+"#;
+    let (_, model) = deck_and_model(text);
+    let summary = scene::run(&model).1;
+    assert!(!summary.mirror_planes.is_empty());
+    assert!(summary.lost_symmetry, "{}", summary.message);
 }

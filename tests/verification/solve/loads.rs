@@ -115,8 +115,12 @@ fn a_dead_pressure_is_that_of_the_faces_at_rest() {
 fn the_stiffness_of_a_follower_pressure_is_that_of_central_differences() {
     const H: f64 = 1e-3;
     for (on, closed) in [("[\"cube.top\", \"cube.right\"]", false), (ALL, true)] {
-        let text = cube(on, "").replace("on = \"cube.left\"", "on = \"cube.left\"\nfixed = []");
-        let model = model(&text.replace("fixed = []", "fixed = [\"x\"]"));
+        // Nothing holds it along y and z, as a warning says.
+        let held = "on = \"cube.left\"\nfixed = [\"x\"]";
+        let text = cube(on, "").replace("on = \"cube.left\"", held);
+        let deck = Deck::from_str(&text, "cube.toml").unwrap();
+        let (model, warnings) = Model::from_deck(&deck).unwrap();
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
         let mut system = System::new(&model).unwrap();
         let state = system.initial_state(&model);
         let mut random = Random(3);

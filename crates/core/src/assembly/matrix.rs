@@ -142,6 +142,21 @@ impl System {
         lowest(&mut solver, &values, &own, 1)
     }
 
+    /// Whether the stiffness of an unknown alone, on the diagonal of this matrix, is negative.
+    pub fn is_pushed(
+        &self,
+        dofs: &DofMap,
+        equations: &Equations,
+        trial: &Trial,
+        equation: usize,
+    ) -> bool {
+        let Ok((gather, _, values)) = self.apart(dofs, equations, trial) else {
+            return false;
+        };
+        let at = gather.diagonal().nth(equation).flatten();
+        at.is_some_and(|at| values[at] < 0.0)
+    }
+
     /// Symmetric matrix of the trial's cells, with its pattern and a solver of its own.
     fn apart(
         &self,

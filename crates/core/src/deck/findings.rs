@@ -7,6 +7,7 @@ use super::flat_elements::flat_elements;
 use super::head_joints::{gaps, wide_joints};
 use super::held_loads::held_loads;
 use super::loading::beam_of;
+use super::loose_scene::loose_scene;
 use super::magnitudes::magnitudes;
 use super::masonry::{Masonry, least_lap};
 use super::schema::{Bond, Deck, DeckStep, FilledFrom, Interface, Strategy, Subdivision};
@@ -128,6 +129,7 @@ pub(super) fn findings(deck: &Deck, model: &Model) -> (Vec<Warning>, Vec<ModelEr
     warnings.extend(far_points(deck, model));
     warnings.extend(velocities_unused(deck, model));
     warnings.extend(held_loads(deck, model));
+    warnings.extend(loose_scene(deck, model));
     warnings.extend(flat_elements(deck, model));
     let top = deck.clamped().is_some();
     let of_step = |i: usize| beam_of(deck.steps.get(i)?, &model.beams, top);

@@ -27,6 +27,7 @@ pub mod keys;
 mod layers;
 mod loading;
 mod loads;
+mod loose_scene;
 mod magnitudes;
 pub mod masonry;
 mod meeting;

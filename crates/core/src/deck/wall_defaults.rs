@@ -98,13 +98,17 @@ pub(super) fn bends(step: &DeckStep, name: &str, wall: &Wall) -> bool {
         || step.loads.iter().any(|load| is_across(load, name, through))
 }
 
-/// Returns whether a load lies on the wall and pushes out of its plane.
+/// Returns whether a load lies on the wall, or on a part of it, and pushes out of its plane.
 fn is_across(load: &DeckLoad, name: &str, through: usize) -> bool {
     let mut on = load.on.iter().flat_map(|names| &names.0);
     on.any(|on| {
-        let (body, face) = on.split_once('.').unwrap_or((on, ""));
+        let body = on.split('.').next().unwrap_or(on);
+        let face = on.rsplit_once('.').map_or("", |(_, face)| face);
         let pushes = match load.value() {
-            Some(("pressure", _)) => matches!(face, "front" | "back"),
+            Some(("pressure", _)) => match through {
+                0 => matches!(face, "left" | "right"),
+                _ => matches!(face, "front" | "back"),
+            },
             Some((_, components)) => components[through] != 0.0,
             None => false,
         };

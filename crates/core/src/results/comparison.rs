@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::Curve;
+use super::answers::Backbone;
 use super::branch::{self, Branch};
+use super::curve::INITIAL;
 use crate::experiment::{Experiment, Point};
 use crate::model::Model;
 use crate::model::scene::Step;
@@ -60,13 +62,15 @@ pub fn compare(curve: &Curve, experiment: &Experiment, height: Option<f64>) -> C
     let run = Branch::new(&points, side);
     let (test, mirrored) = Branch::towards(&experiment.points, side);
     let common = common_range(&run, &test);
-    let of_run = measures(&curve.along(side), &run, common, height);
+    let of_run = measures((&curve.along(side), false), &run, common, height);
     // Loops of a test are read as those of a run.
     let all = Curve::of_points(&experiment.points).along(if mirrored { -side } else { side });
     let of_test = if all.turns_back() {
-        measures(&all, &test, common, height)
+        let other = all.peak().is_some_and(|p| p.displacement < all.start().0);
+        measures((&all, other), &test, common, height)
     } else {
-        measures(&Curve::of_points(test.points()), &test, common, height)
+        let one = Curve::of_points(test.points());
+        measures((&one, false), &test, common, height)
     };
     let rms = common.and_then(|range| root_mean_square(&run, &test, range));
     Comparison {
@@ -122,19 +126,27 @@ fn common_range(a: &Branch, b: &Branch) -> Option<(f64, f64)> {
     (from < to).then_some((from, to))
 }
 
+/// Quantities of the side of a curve on which its peak is, or of the `opposite` one.
 fn measures(
-    curve: &Curve,
+    (curve, opposite): (&Curve, bool),
     branch: &Branch,
     common: Option<(f64, f64)>,
     height: Option<f64>,
 ) -> Measures {
-    let peak = curve.peak();
-    let at_80 = curve.displacement_at_80_percent();
+    let side = Backbone::of(curve, opposite);
+    let secant = |part: f64| side.as_ref().and_then(|side| side.secant(part));
+    let (peak, initial, at_80) = if opposite {
+        let fallen = side.as_ref().and_then(Backbone::displacement_at_80_percent);
+        (curve.opposite_peak(), secant(INITIAL), fallen)
+    } else {
+        let fallen = curve.displacement_at_80_percent();
+        (curve.peak(), curve.initial_stiffness(), fallen)
+    };
     Measures {
         peak_force_kN: peak.map(|p| p.force),
         displacement_at_peak_mm: peak.map(|p| p.displacement),
-        initial_stiffness_kN_per_mm: curve.initial_stiffness(),
-        secant_stiffness_kN_per_mm: curve.secant_stiffness(SECANT),
+        initial_stiffness_kN_per_mm: initial,
+        secant_stiffness_kN_per_mm: secant(SECANT),
         energy_J: common.map(|range| area(branch, range)),
         displacement_at_80_percent_mm: at_80,
         drift_at_80_percent: at_80.zip(height).map(|(d, h)| 100.0 * d / h),
@@ -267,6 +279,37 @@ mod tests {
         let flat = experiment(&[(0.0, 0.0), (2.0, 0.0)]);
         let rms = compare(&ramp, &flat, None).rms_difference_kN;
         assert_relative_eq!(rms.unwrap(), 3.0_f64.sqrt(), max_relative = 1e-14);
+    }
+
+    /// A cyclic test that is stronger on the other side: the side of the run counts.
+    #[test]
+    fn a_cyclic_test_is_read_on_the_side_of_the_run() {
+        let curve = Curve::of_points(&WALL);
+        let stronger_there = [
+            (0.0, 0.0),
+            (0.3, 20.0),
+            (0.0, 0.0),
+            (-0.3, -60.0),
+            (0.0, 0.0),
+            (2.0, 25.0),
+            (0.0, 0.0),
+            (-2.0, -35.0),
+        ];
+        let found = compare(&curve, &experiment(&stronger_there), None);
+        assert!(!found.mirrored);
+        assert_eq!(found.experiment.peak_force_kN, Some(25.0));
+        assert_eq!(found.experiment.displacement_at_peak_mm, Some(2.0));
+        // 17.5 kN at 0.2625 mm
+        assert_relative_eq!(
+            found.experiment.secant_stiffness_kN_per_mm.unwrap(),
+            17.5 / 0.2625,
+            max_relative = 1e-12
+        );
+        assert_eq!(found.ratio.peak_force_kN, Some(2.0));
+        // The other way round the experiment is turned.
+        let back = Curve::of_points(&WALL.map(|p| (-p.0, -p.1)));
+        let found = compare(&back, &experiment(&stronger_there), None);
+        assert_eq!(found.experiment.peak_force_kN, Some(60.0));
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub struct Peak {
 }
 
 /// Fraction of the peak force up to which the initial stiffness is measured.
-const INITIAL: f64 = 0.1;
+pub(super) const INITIAL: f64 = 0.1;
 
 /// Fraction of the peak force below which a lower force counts as a loss.
 const LOST: f64 = 0.995;
@@ -380,8 +380,8 @@ impl Curve {
     pub fn secant_stiffness(&self, part: f64) -> Option<f64> {
         let (d0, f0) = self.start;
         let mut rise = part * (self.peak()?.force - f0);
-        if self.turns_back() {
-            // The first half cycle decides the sign.
+        if self.unloads() {
+            // The first way out decides the sign.
             let first = self
                 .points
                 .iter()

@@ -142,9 +142,17 @@ impl Verdict {
             None => place(peak),
         };
         if curve.passes_peak() {
+            let text = match curve.opposite_peak() {
+                Some(other) if !curve.loses(other) => format!(
+                    "peak of {} passed in loops; at most {} on the other side, not passed",
+                    place(peak),
+                    place(other)
+                ),
+                _ => format!("peaks of {both} passed in loops"),
+            };
             return Self {
                 kind: VerdictKind::PeakPassed,
-                text: format!("peaks of {both} passed in loops"),
+                text,
             };
         }
         // The largest force decides; the other side of the start may have passed its own peak.
@@ -365,7 +373,18 @@ mod tests {
         let again = [&first[..], &[(0.0, 0.0), (2.0, 44.0)]].concat();
         let (kind, text) = completed(&again);
         assert_eq!(kind, VerdictKind::PeakPassed);
-        assert!(text.starts_with("peaks of 50.000 kN"), "{text}");
+        assert_eq!(
+            text,
+            "peak of 50.000 kN at 2.0000 mm passed in loops; at most -45.000 kN at -2.0000 mm on the other side, \
+             not passed"
+        );
+        let both = [&again[..], &[(0.0, 0.0), (-2.0, -40.0)]].concat();
+        let (kind, text) = completed(&both);
+        assert_eq!(kind, VerdictKind::PeakPassed);
+        assert_eq!(
+            text,
+            "peaks of 50.000 kN at 2.0000 mm and -45.000 kN at -2.0000 mm passed in loops"
+        );
     }
 
     #[test]

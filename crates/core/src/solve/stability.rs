@@ -3,7 +3,7 @@
 use crate::assembly::dofs::{DofMap, Equations};
 use crate::assembly::{Evaluation, STIFFEST_UNDER_LOADS, Solids, System, Trial, Turning};
 use crate::linear::LinearError;
-use crate::linear::eigen::Lowest;
+use crate::linear::eigen::{EigenError, Lowest};
 use crate::model::Model;
 use crate::model::scene::Step;
 use crate::state::{Clock, State};
@@ -69,10 +69,16 @@ pub(in crate::solve) fn is_negative(
         tried,
         Err(LinearError::NotPositiveDefinite { .. } | LinearError::Singular { .. })
     );
-    may_be && {
-        let found = system.lowest_over_diagonal(dofs, equations, trial).ok();
-        found.is_some_and(|found| has_negative(&found))
-    }
+    may_be
+        && match system.lowest_over_diagonal(dofs, equations, trial) {
+            Ok(found) => has_negative(&found),
+            // Lower than the lowest shift: far beyond its critical load.
+            Err(EigenError::Linear(LinearError::NotPositiveDefinite { .. })) => true,
+            Err(EigenError::NoMass { equation }) => {
+                system.is_pushed(dofs, equations, trial, equation)
+            }
+            Err(_) => false,
+        }
 }
 
 /// Whether the first eigenvalue is negative beyond the rounding errors of the stiffness.

@@ -109,6 +109,13 @@ impl Backbone {
         (target > begin.1 && travel > 0.0).then(|| (target - begin.1) / travel)
     }
 
+    /// Displacement after the peak at which the force has fallen to 0.8 of it [mm]; `None` if it never does.
+    pub fn displacement_at_80_percent(&self) -> Option<f64> {
+        let (points, has_fallen) = self.until(0.8);
+        let last = points.last().filter(|_| has_fallen)?;
+        Some(self.displacement(last.0))
+    }
+
     /// The part up to the first fall to `part` of the peak after it, linear between increments, and whether the force
     /// has fallen so far; otherwise the whole curve.
     pub fn until(&self, part: f64) -> (Vec<(f64, f64)>, bool) {

@@ -145,6 +145,27 @@ fn loops_are_read_along_their_envelope() {
     );
 }
 
+/// Out to 0.2 mm, then far to the other side, where the peak is: the first way out has the initial stiffness.
+#[test]
+fn a_drive_that_comes_back_has_the_initial_stiffness_of_its_first_way() {
+    let points = [
+        (0.1, 20.0),
+        (0.2, 36.0),
+        (0.01, -3.0),
+        (-0.2, -37.0),
+        (-3.0, -23.0),
+    ];
+    for sign in [1.0, -1.0] {
+        let wall = curve(&[(0.0, 0.0)], &points.map(|(d, f)| (sign * d, sign * f)));
+        assert!(!wall.turns_back());
+        assert_relative_eq!(
+            wall.initial_stiffness().unwrap(),
+            200.0,
+            max_relative = 1e-12
+        );
+    }
+}
+
 /// One cycle that ends where it began is a loop, and a slider neither rises nor falls in it.
 #[test]
 fn one_whole_cycle_is_a_loop() {

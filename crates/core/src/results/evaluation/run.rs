@@ -36,6 +36,8 @@ pub struct TestRun {
     pub collapsed_at: Option<f64>,
     /// Verdict; none of a run that has not ended.
     pub verdict: Option<VerdictKind>,
+    /// Values of `[test]` that are not those of the steps.
+    pub contradictions: Vec<String>,
 }
 
 /// An error of an evaluation.
@@ -102,6 +104,35 @@ impl EvaluationError {
     }
 }
 
+/// Values of `[test]` that none of the steps has, although some have such a value. The evaluation takes those of `[test]`.
+fn contradictions(deck: &Deck) -> Vec<String> {
+    let Some(test) = &deck.test else {
+        return Vec::new();
+    };
+    let said = |key: &str, of_test: Option<f64>, of_steps: Vec<f64>| {
+        let of_test = of_test?;
+        // Values with units are converted.
+        let is_same = |value: &f64| (value - of_test).abs() <= 1e-9 * of_test.abs();
+        let differs = !of_steps.is_empty() && !of_steps.iter().any(is_same);
+        differs.then(|| {
+            format!(
+                "test.{key} is {of_test}, and the steps have {}: the results are those of test.{key}, which has to be \
+                 changed with the steps",
+                of_steps[0]
+            )
+        })
+    };
+    let steps = || deck.steps.iter();
+    let pressures = steps().flat_map(|step| [step.top_pressure, step.pressure]);
+    let pressures = pressures.flatten().map(Quantity::get).collect();
+    let angles = steps().filter_map(|step| step.angle).map(Quantity::get);
+    let found = [
+        said("pressure", test.pressure.map(Quantity::get), pressures),
+        said("angle", test.angle.map(Quantity::get), angles.collect()),
+    ];
+    found.into_iter().flatten().collect()
+}
+
 impl TestRun {
     /// Reads the folder of a run.
     ///
@@ -128,6 +159,7 @@ impl TestRun {
             gauges: gauges(&deck)?,
             collapsed_at: fall.map(|fall| fall.load_factor),
             verdict: summary.and_then(|summary| summary.verdict_kind),
+            contradictions: contradictions(&deck),
         })
     }
 
@@ -183,6 +215,8 @@ impl TestRun {
     /// Adds remarks on the run.
     pub(super) fn remarks(&self, notes: &mut Vec<String>) {
         self.remark_on_verdict(notes);
+        let told = self.contradictions.iter();
+        notes.extend(told.map(|what| format!("{}: {what}", self.name)));
         if self.test.kind.measures_joints() {
             if self.broke_beside_the_joint() {
                 self.remark_on_solids(notes);

@@ -47,6 +47,7 @@ fn run(kind: TestKind, points: &[(f64, f64)], columns: &[(&str, Vec<f64>)]) -> T
         ]),
         collapsed_at: None,
         verdict: Some(VerdictKind::PeakPassed),
+        contradictions: Vec::new(),
     }
 }
 

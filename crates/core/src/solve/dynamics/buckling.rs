@@ -12,12 +12,19 @@ use crate::state::{Method, QUIET, Status};
 
 /// Energy of the disturbance over [`QUIET`] times the energy taken.
 const NUDGE: f64 = 0.5;
+/// Largest increment of direct tangents under growing loads, over `increments.peak` of the load: the loss of stability is
+/// found to this part.
+const DIRECT: f64 = 4.0;
 /// Part of this energy from which the bodies move in the mode by themselves.
 const MOVES_ALREADY: f64 = 1e-3;
 
 impl Run<'_> {
     /// Gives the bodies a small velocity in the lowest mode if its stiffness is negative and they have none in it.
     pub(in crate::solve) fn disturb(&mut self, step_run: &mut StepRun) {
+        if step_run.step.control.is_some() {
+            // Under the load alone any descent is unstable.
+            return;
+        }
         let of = (self.model, step_run.step);
         let Some(mode) = unstable_mode(of, &mut self.system, &self.state, &mut self.trial) else {
             return;
@@ -45,18 +52,33 @@ impl Run<'_> {
     }
 
     /// Disturbs the bodies that inertia carried to the present loads from those at `start`, if what they stand in is not
-    /// stable. This is checked each time the loads have changed by `increments.peak`.
+    /// stable. This is checked each time the loads have changed by `increments.peak`. Direct tangents are not symmetric,
+    /// so that their factors do not tell either; where what they found is not stable, inertia takes over.
     pub(in crate::solve) fn watch_stability(&mut self, step_run: &mut StepRun, start: f64) {
         let step = step_run.step;
         let seeks = step.procedure == Procedure::Auto && !step.drives();
-        let carried = step_run.fallback.method() == Method::QuasiStatic;
+        let method = step_run.fallback.method();
+        let direct = method == Method::Direct && step.only_loads();
+        let watched = direct || method == Method::QuasiStatic;
         let interval = |load: f64| (load.abs().ln() / step.increments.peak.ln_1p()).floor();
         let changed = start == 0.0 || interval(start) != interval(step_run.load);
-        if !(seeks && carried && changed) || step_run.branch.unstable_from.is_some() {
+        if !(seeks && watched && changed) || step_run.branch.unstable_from.is_some() {
             return;
         }
         let of = (self.model, step);
-        if gives_way(of, &mut self.system, &self.state, &mut self.trial) {
+        let gives_way = gives_way(of, &mut self.system, &self.state, &mut self.trial);
+        // Below the floor of statics other increments do not resolve the load either.
+        if direct && step_run.load.abs() > step_run.fallback.floor() {
+            let most = DIRECT * step.increments.peak * step_run.load.abs();
+            step_run.schedule.shorten(most);
+        }
+        if gives_way && direct {
+            step_run.fallback.start_moving();
+            self.adopt(step_run);
+            let floor = step_run.fallback.floor();
+            self.begin_inertia(step_run, floor);
+        }
+        if gives_way {
             self.disturb(step_run);
         }
     }
@@ -70,7 +92,14 @@ impl Run<'_> {
         if rests && step_run.branch.unstable_from.is_some() {
             let of = (self.model, step_run.step);
             if !gives_way(of, &mut self.system, &self.state, &mut self.trial) {
-                step_run.branch.unstable_from = None;
+                let left = step_run.branch.unstable_from.take();
+                self.summary.warnings.extend(left.map(|load_factor| {
+                    format!(
+                        "step {} ({}): the equilibrium is not stable at load factor {load_factor:.4}: the scene moves \
+                         aside there, and comes to rest in another one",
+                        step_run.index, step_run.step.name
+                    )
+                }));
             }
         }
     }

@@ -71,7 +71,7 @@ impl Part {
     pub fn symmetry_message(&self, planes: &[usize], step: &str) -> String {
         let planes: Vec<String> = planes.iter().map(|p| self.planes[*p].to_string()).collect();
         format!(
-            "at the end of step {step} nothing but its symmetry holds the scene in the plane {}: before that it buckles or bows to \
+            "in step {step} nothing but its symmetry holds the scene in the plane {} any more: it buckles or bows to \
              one side, which the part that is solved cannot; try fidelity = \"full\", which solves all of it",
             planes.join(" and ")
         )

@@ -191,8 +191,11 @@ impl Newton<'_> {
         trial: &mut Trial,
         ends: bool,
     ) -> Result<(), Rejection> {
+        // Under loads alone every factorisation may have been made at smaller forces.
+        let only_loads = !self.step.prescribes() && self.motion.is_none();
         let open = |factors: Factors| {
-            factors.served && (ends || trial.mean_nodal_force > GROWTH * factors.force)
+            let grew = trial.mean_nodal_force > GROWTH * factors.force;
+            (factors.served && ends) || ((factors.served || only_loads) && grew)
         };
         if self.matrix.factors.is_some_and(open) {
             self.fill(system, trial)?;

@@ -64,7 +64,9 @@ impl<'m> Run<'m> {
         step_run.begin_attempts(request, solves, added);
         let forth = step_run.sense() * added;
         self.return_to_first(step_run, request, report, (moves, forth), recorder);
-        self.hold_or_go_on(step_run, moves || hastens);
+        // What is not stable may begin to move slowly.
+        let leaves = step_run.branch.unstable_from.is_some();
+        self.hold_or_go_on(step_run, moves || hastens || leaves);
         self.report_collapse(step_run, recorder);
         let mut keeps_symmetry = true;
         if !end && step_run.is_at_row() {

@@ -8,8 +8,7 @@ use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::convergence::{IMBALANCE, LOOSENED, LOOSENED_FOR};
 use crate::solve::increment::outcome::Rejection;
-use crate::state::Method;
-use crate::state::Status;
+use crate::state::{Method, QUIET, Status};
 use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// First increment along a path, as a part of the rejected increment.
@@ -113,11 +112,27 @@ impl Run<'_> {
         }
         match answer {
             Answer::Cut => {}
-            Answer::NextMethod => self.change_method(step_run, request, rejection, recorder),
+            Answer::NextMethod => {
+                let rested = !method.has_inertia();
+                self.change_method(step_run, request, rejection, recorder);
+                let moves = rested && step_run.fallback.method().has_inertia();
+                if moves && self.leans(step_run, recorder) {
+                    return false;
+                }
+            }
             Answer::GiveUp if self.loosens(step_run, rejection) => return true,
+            Answer::GiveUp if self.leans(step_run, recorder) => return false,
             Answer::GiveUp => self.give_up(step_run, request, rejection),
         }
         answer != Answer::GiveUp
+    }
+
+    /// Whether the last equilibrium of a part under growing loads is not one of the whole: this moves aside at a smaller
+    /// load than that which breaks the part.
+    fn leans(&mut self, step_run: &StepRun, recorder: &mut dyn Recorder) -> bool {
+        let rests = !self.state.fell && self.state.energies.moving() <= QUIET;
+        let asks = !step_run.step.prescribes() && rests;
+        asks && !self.is_symmetric_at_rest(step_run.index, recorder)
     }
 
     /// Continues with the next method of the step that applies.
@@ -169,7 +184,7 @@ impl Run<'_> {
     }
 
     /// Lets inertia carry the bodies from the present equilibrium, by increments of this size at first.
-    pub(super) fn begin_inertia(&mut self, step_run: &mut StepRun, size: f64) {
+    pub(in crate::solve) fn begin_inertia(&mut self, step_run: &mut StepRun, size: f64) {
         self.depart(step_run, step_run.load);
         let steers = step_run.step.control.is_some();
         self.carry_momentum(if steers { 0.0 } else { step_run.sense() });
