@@ -143,7 +143,7 @@ impl System {
     }
 
     /// Whether the stiffness of an unknown alone, on the diagonal of this matrix, is negative.
-    pub fn is_pushed(
+    pub fn has_negative_diagonal(
         &self,
         dofs: &DofMap,
         equations: &Equations,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Curve;
-use super::answers::Backbone;
+use super::backbone::Backbone;
 use super::branch::{self, Branch};
 use super::curve::INITIAL;
 use crate::experiment::{Experiment, Point};

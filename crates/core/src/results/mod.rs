@@ -19,6 +19,7 @@
 pub mod animation;
 #[cfg(feature = "run-folder")]
 pub mod answers;
+pub mod backbone;
 #[cfg(feature = "run-folder")]
 mod beside;
 pub mod branch;

@@ -75,7 +75,7 @@ pub(in crate::solve) fn is_negative(
             // Lower than the lowest shift: far beyond its critical load.
             Err(EigenError::Linear(LinearError::NotPositiveDefinite { .. })) => true,
             Err(EigenError::NoMass { equation }) => {
-                system.is_pushed(dofs, equations, trial, equation)
+                system.has_negative_diagonal(dofs, equations, trial, equation)
             }
             Err(_) => false,
         }

@@ -16,7 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::backbone::{Backbone, area};
+use crate::results::backbone::{Backbone, area};
 
 /// Part of the largest force through which the elastic branch passes.
 pub const ELASTIC: f64 = 0.7;

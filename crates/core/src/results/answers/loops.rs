@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::backbone::area;
 use crate::results::Curve;
+use crate::results::backbone::area;
 
 /// A loop of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

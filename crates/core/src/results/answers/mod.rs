@@ -10,7 +10,6 @@
 //! All are whole-model values along the drive. Every definition is here and nowhere else; the command, the report and
 //! Python show what is in `summary.json`. Of a run without a summary they have the answers of the curve.
 
-mod backbone;
 mod bilinear;
 mod cracks;
 mod failure;
@@ -29,7 +28,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use backbone::Backbone;
+pub use super::backbone::Backbone;
 pub use bilinear::{Bilinear, ELASTIC, ULTIMATE};
 pub use cracks::{BURLAND, Crack, CrackWidths, burland_class, name_of_class};
 pub use failure::{FailureMeasure, FailureMode};

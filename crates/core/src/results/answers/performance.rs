@@ -7,8 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::backbone::Backbone;
 use super::failure::FailureMode;
+use crate::results::backbone::Backbone;
 
 /// Drift of a primary wall in shear at significant damage [-].
 pub const SHEAR: f64 = 0.004;
