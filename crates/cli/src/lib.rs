@@ -1,6 +1,11 @@
 //! The `wythe` command: a thin interface to `Deck → Model → solve → RunDirectory`. It is a library, so that the wheel
 //! can install the same command ([`command`]).
 #![forbid(unsafe_code)]
+// Input of users ends in typed errors.
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)
+)]
 
 mod arguments;
 mod check;

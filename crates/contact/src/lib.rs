@@ -3,6 +3,11 @@
 //! This is a leaf crate. It receives positions, facets and history records, and returns the force and the stiffness
 //! of one point against one facet. It does not know meshes, load steps or solvers.
 #![forbid(unsafe_code)]
+// Input of users ends in typed errors.
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)
+)]
 
 pub mod aabb;
 pub mod bvh;

@@ -5,6 +5,11 @@
 //! Cargo features: `hdf5` ([`results`]' `results.vtkhdf`), `mcap` (`run.mcap`), `plot` (pictures), and `run-folder`,
 //! the default, which is all of them with the folder of a run. Without features no C is compiled.
 #![forbid(unsafe_code)]
+// Input of users ends in typed errors.
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)
+)]
 
 pub mod assembly;
 pub mod command;

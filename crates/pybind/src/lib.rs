@@ -4,6 +4,11 @@
 //! The Python half (`python/wythe`) has the public names, defaults and documentation and checks the arguments. The
 //! functions here return arrays, JSON texts and errors.
 #![forbid(unsafe_code)]
+// Input of users ends in typed errors.
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)
+)]
 #![expect(
     clippy::needless_pass_by_value,
     reason = "what comes from Python is owned"
