@@ -1,7 +1,7 @@
 //! The curve of one side of a drive, from which stiffness, capacity and ductility are read.
 
 use crate::results::Curve;
-use crate::results::curve::crossing;
+use crate::results::curve::{ULTIMATE, crossing};
 
 /// A curve along one side of the drive: travel since the start of the drive and force, both positive along that side.
 ///
@@ -111,7 +111,7 @@ impl Backbone {
 
     /// Displacement after the peak at which the force has fallen to 0.8 of it [mm]; `None` if it never does.
     pub fn displacement_at_80_percent(&self) -> Option<f64> {
-        let (points, has_fallen) = self.until(0.8);
+        let (points, has_fallen) = self.until(ULTIMATE);
         let last = points.last().filter(|_| has_fallen)?;
         Some(self.displacement(last.0))
     }

@@ -65,6 +65,9 @@ pub struct Peak {
 /// Fraction of the peak force up to which the initial stiffness is measured.
 pub(super) const INITIAL: f64 = 0.1;
 
+/// Part of the largest force to which it falls at the ultimate displacement.
+pub const ULTIMATE: f64 = 0.8;
+
 /// Fraction of the peak force below which a lower force counts as a loss.
 const LOST: f64 = 0.995;
 
@@ -361,7 +364,7 @@ impl Curve {
             .iter()
             .map(|p| (p.0, sign * p.1))
             .collect();
-        let target = 0.8 * peak.force.abs();
+        let target = ULTIMATE * peak.force.abs();
         let first = points.iter().position(|p| p.1 >= peak.force.abs())?;
         let after = &points[first..];
         let i = after.iter().position(|p| p.1 <= target)?;

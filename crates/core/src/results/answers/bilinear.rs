@@ -17,11 +17,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::results::backbone::{Backbone, area};
+pub use crate::results::curve::ULTIMATE;
 
 /// Part of the largest force through which the elastic branch passes.
 pub const ELASTIC: f64 = 0.7;
-/// Part of the largest force to which it falls at the ultimate displacement.
-pub const ULTIMATE: f64 = 0.8;
 
 /// A bilinear curve with the same energy. Displacements and forces are those of the drive, negative on the opposite
 /// side of a drive to and fro.

@@ -105,7 +105,7 @@ impl EvaluationError {
 }
 
 /// Values of `[test]` that none of the steps has, although some have such a value. The evaluation takes those of `[test]`.
-fn contradictions(deck: &Deck) -> Vec<String> {
+pub(super) fn contradictions(deck: &Deck) -> Vec<String> {
     let Some(test) = &deck.test else {
         return Vec::new();
     };

@@ -273,3 +273,25 @@ fn a_flat_jack_gives_the_pressure_that_brings_the_gauges_back() {
     near(of(&double, "E"), 1000.0);
     near(of(&double, "E_middle"), 1000.0);
 }
+
+/// A pressure or an angle of `[test]` that no step has is told; equal ones, and steps without any, are not.
+#[test]
+fn values_of_the_test_that_no_step_has_are_told() {
+    let said = |test: &str, step: &str| {
+        let text = format!(
+            "format = 1\nmaterials.stone = {{ E = \"5 GPa\", nu = 0.2, density = \"2000 kg/m^3\" }}\n\
+             [[blocks]]\nname = \"block\"\nsize = [400, 300, 200]\nmaterial = \"stone\"\n\
+             [[supports]]\non = \"block.bottom\"\n[test]\nkind = \"direct-shear\"\n{test}\n[[steps]]\n{step}\n"
+        );
+        super::run::contradictions(&crate::deck::Deck::from_str(&text, "test.toml").unwrap())
+    };
+    let pressed = "kind = \"preload\"\nface = \"block.top\"\npressure = \"0.6 MPa\"";
+    let told = said("pressure = \"0.3 MPa\"", pressed);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].starts_with("test.pressure is 0.3, and the steps have 0.6"),
+        "{told:?}"
+    );
+    assert!(said("pressure = \"600 kPa\"", pressed).is_empty());
+    assert!(said("pressure = \"0.3 MPa\"", "kind = \"gravity\"").is_empty());
+}
