@@ -186,11 +186,12 @@ fn a_block_that_is_dragged_over_a_gap_dissipates_the_work_of_friction() {
         let recording = run(&dragged_over_a_gap(gap, step));
         let last = recording.rows.last().unwrap();
         let friction = 0.6 * 0.5 * 10.0 * 40.0;
-        // The block shears by 0.04 mm before it slides: 0.1 % of the way.
+        // The block shears by up to 0.04 mm of the way before it slides: it stores a part of the work.
         let dissipated = last.interface_dissipation_J / friction - 1.0;
-        assert!(dissipated.abs() < 2e-3, "{gap}, {step}: {dissipated}");
+        assert!(dissipated.abs() < 1.2e-3, "{gap}, {step}: {dissipated}");
+        // The preload does 5e-5 of the work, and increments find the force to 1e-4.
         let work = last.external_work_J / friction - 1.0;
-        assert!(work.abs() < 1e-3, "{gap}, {step}: {work}");
+        assert!(work.abs() < 2e-4, "{gap}, {step}: {work}");
     }
 }
 

@@ -8,6 +8,9 @@ use super::{DofMap, Equations, Gather, System, Trial};
 use crate::linear::eigen::{EigenError, Lowest, MassMatrix, lowest};
 use crate::linear::{Backend, LinearError, LinearSolver, Options, Pattern};
 
+/// Part of the largest entry of a diagonal below which a negative entry is rounding.
+const ROUNDING: f64 = 1e-13;
+
 impl System {
     /// True if contact candidates have changed since the last analysis.
     pub fn pattern_changed(&self) -> bool {
@@ -135,26 +138,16 @@ impl System {
     ) -> Result<Lowest, EigenError> {
         let (gather, mut solver, values) = self.apart(dofs, equations, trial)?;
         let diagonal = gather.diagonal().map(|at| at.map_or(0.0, |at| values[at]));
+        let diagonal: Vec<f64> = diagonal.collect();
+        let rounding = ROUNDING * diagonal.iter().copied().fold(0.0, f64::max);
+        if let Some(equation) = diagonal.iter().position(|k| *k < -rounding) {
+            return Err(LinearError::NotPositiveDefinite { equation }.into());
+        }
         let own = MassMatrix {
-            diagonal: diagonal.collect(),
+            diagonal,
             below: Vec::new(),
         };
         lowest(&mut solver, &values, &own, 1)
-    }
-
-    /// Whether the stiffness of an unknown alone, on the diagonal of this matrix, is negative.
-    pub fn has_negative_diagonal(
-        &self,
-        dofs: &DofMap,
-        equations: &Equations,
-        trial: &Trial,
-        equation: usize,
-    ) -> bool {
-        let Ok((gather, _, values)) = self.apart(dofs, equations, trial) else {
-            return false;
-        };
-        let at = gather.diagonal().nth(equation).flatten();
-        at.is_some_and(|at| values[at] < 0.0)
     }
 
     /// Symmetric matrix of the trial's cells, with its pattern and a solver of its own.

@@ -43,7 +43,7 @@ impl Contact {
             let Some((weights, pair)) = self.at_rim(model, p, pair, &trial.x) else {
                 if !self.lies_at(p, pair, &trial.x) {
                     // It was moved before, and is back at its place at rest.
-                    let found = self.anew(p, pair, &trial.x);
+                    let found = self.pair_at_rest(p, pair, &trial.x);
                     trial.joints.pairs[p] = found;
                     trial.joints.anchors[p] = found;
                     trial.joints.free[p] = found.facet.is_none();
@@ -66,8 +66,8 @@ impl Contact {
 
     /// The pair that a point at its place at rest has by its position alone: the facet onto which it projects, no deeper
     /// behind it than behind that of the pair `before` and the step that points climb.
-    fn anew(&self, p: usize, before: PointPair, x: &[[f64; 3]]) -> PointPair {
-        let found = self.pair(p / 4, p % 4, PointPair::default(), true, x);
+    fn pair_at_rest(&self, p: usize, before: PointPair, x: &[[f64; 3]]) -> PointPair {
+        let found = self.pair(p / 4, p % 4, PointPair::default(), false, x);
         let found = found.map(|(facet, xi)| PointPair {
             facet: Some(facet),
             xi,

@@ -5,6 +5,7 @@
 //! lowest mode by themselves, they get a small velocity in it. What is stable comes to rest again; a column buckles.
 
 use crate::model::scene::Procedure;
+use crate::solve::Recorder;
 use crate::solve::stability::{gives_way, unstable_mode};
 use crate::solve::stepping::run::Run;
 use crate::solve::stepping::step_run::StepRun;
@@ -12,11 +13,11 @@ use crate::state::{Method, QUIET, Status};
 
 /// Energy of the disturbance over [`QUIET`] times the energy taken.
 const NUDGE: f64 = 0.5;
-/// Largest increment of direct tangents under growing loads, over `increments.peak` of the load: the loss of stability is
-/// found to this part.
-const DIRECT: f64 = 4.0;
 /// Part of this energy from which the bodies move in the mode by themselves.
 const MOVES_ALREADY: f64 = 1e-3;
+/// Largest increment of direct tangents under growing loads, over `increments.peak` of the load: the loss of stability is
+/// found to this part.
+const LONGEST_DIRECT: f64 = 4.0;
 
 impl Run<'_> {
     /// Gives the bodies a small velocity in the lowest mode if its stiffness is negative and they have none in it.
@@ -54,7 +55,12 @@ impl Run<'_> {
     /// Disturbs the bodies that inertia carried to the present loads from those at `start`, if what they stand in is not
     /// stable. This is checked each time the loads have changed by `increments.peak`. Direct tangents are not symmetric,
     /// so that their factors do not tell either; where what they found is not stable, inertia takes over.
-    pub(in crate::solve) fn watch_stability(&mut self, step_run: &mut StepRun, start: f64) {
+    pub(in crate::solve) fn watch_stability(
+        &mut self,
+        step_run: &mut StepRun,
+        start: f64,
+        recorder: &mut dyn Recorder,
+    ) {
         let step = step_run.step;
         let seeks = step.procedure == Procedure::Auto && !step.drives();
         let method = step_run.fallback.method();
@@ -67,20 +73,25 @@ impl Run<'_> {
         }
         let of = (self.model, step);
         let gives_way = gives_way(of, &mut self.system, &self.state, &mut self.trial);
-        // Below the floor of statics other increments do not resolve the load either.
-        if direct && step_run.load.abs() > step_run.fallback.floor() {
-            let most = DIRECT * step.increments.peak * step_run.load.abs();
-            step_run.schedule.shorten(most);
+        let (load, floor) = (step_run.load.abs(), step_run.fallback.floor());
+        if !gives_way {
+            // Below the floor of statics other increments do not resolve the load either.
+            if direct && load > floor {
+                let most = LONGEST_DIRECT * step.increments.peak * load;
+                step_run.schedule.shorten(most);
+            }
+            return;
         }
-        if gives_way && direct {
+        if direct {
             step_run.fallback.start_moving();
             self.adopt(step_run);
-            let floor = step_run.fallback.floor();
+            if step_run.fallback.method() != Method::QuasiStatic {
+                return;
+            }
             self.begin_inertia(step_run, floor);
+            self.note(step_run, "direct: the equilibrium is not stable", recorder);
         }
-        if gives_way {
-            self.disturb(step_run);
-        }
+        self.disturb(step_run);
     }
 
     /// Holds the loads while bodies move, see [`StepRun::hold_or_go_on`]. What the disturbance has moved may come to rest

@@ -35,16 +35,18 @@ impl Run<'_> {
         let step = step_run.index;
         let moves =
             step_run.step.procedure.has_inertia() || step_run.fallback.method().has_inertia();
-        let skipped = moves || self.state.fell || self.state.energies.moving() > QUIET;
-        skipped || self.is_symmetric_at_rest(step, recorder)
+        moves || self.is_symmetric(step, recorder)
     }
 
-    /// The same for the state of the last commit, from which a load that grows may set the part in motion.
-    pub(in crate::solve) fn is_symmetric_at_rest(
+    /// The same for the state of the last commit, whatever method comes next.
+    pub(in crate::solve) fn is_symmetric(
         &mut self,
         step: usize,
         recorder: &mut dyn Recorder,
     ) -> bool {
+        if self.state.fell || self.state.energies.moving() > QUIET {
+            return true;
+        }
         let (model, state) = (self.model, &self.state);
         let (system, trial) = (&mut self.system, &mut self.trial);
         let Some(planes) = symmetry_loss(model, &self.part, step, system, state, trial) else {

@@ -192,10 +192,10 @@ impl Newton<'_> {
         ends: bool,
     ) -> Result<(), Rejection> {
         // Under loads alone every factorisation may have been made at smaller forces.
-        let only_loads = !self.step.prescribes() && self.motion.is_none();
+        let loaded = !self.step.prescribes() && self.motion.is_none();
         let open = |factors: Factors| {
             let grew = trial.mean_nodal_force > GROWTH * factors.force;
-            (factors.served && ends) || ((factors.served || only_loads) && grew)
+            (factors.served && ends) || ((factors.served || loaded) && grew)
         };
         if self.matrix.factors.is_some_and(open) {
             self.fill(system, trial)?;

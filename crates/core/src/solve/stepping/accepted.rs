@@ -50,7 +50,7 @@ impl<'m> Run<'m> {
         // A block that slides under little more than its limit gains speed, but never much energy beside its friction.
         let moves = light || energies.moves_on(&before) || (step_run.held > 0 && hastens);
         if !collapsed {
-            self.watch_stability(step_run, start);
+            self.watch_stability(step_run, start, recorder);
         }
         let why = self.watch(step_run, carried);
         let whole = step_run.is_whole();

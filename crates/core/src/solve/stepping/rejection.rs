@@ -8,7 +8,7 @@ use crate::model::scene::Procedure;
 use crate::solve::Recorder;
 use crate::solve::increment::convergence::{IMBALANCE, LOOSENED, LOOSENED_FOR};
 use crate::solve::increment::outcome::Rejection;
-use crate::state::{Method, QUIET, Status};
+use crate::state::{Method, Status};
 use wythe_contact::{InterfaceLaw, JointLaw};
 
 /// First increment along a path, as a part of the rejected increment.
@@ -130,9 +130,7 @@ impl Run<'_> {
     /// Whether the last equilibrium of a part under growing loads is not one of the whole: this moves aside at a smaller
     /// load than that which breaks the part.
     fn leans(&mut self, step_run: &StepRun, recorder: &mut dyn Recorder) -> bool {
-        let rests = !self.state.fell && self.state.energies.moving() <= QUIET;
-        let asks = !step_run.step.prescribes() && rests;
-        asks && !self.is_symmetric_at_rest(step_run.index, recorder)
+        !step_run.step.prescribes() && !self.is_symmetric(step_run.index, recorder)
     }
 
     /// Continues with the next method of the step that applies.
