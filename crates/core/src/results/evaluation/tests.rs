@@ -281,7 +281,7 @@ fn values_of_the_test_that_no_step_has_are_told() {
         let text = format!(
             "format = 1\nmaterials.stone = {{ E = \"5 GPa\", nu = 0.2, density = \"2000 kg/m^3\" }}\n\
              [[blocks]]\nname = \"block\"\nsize = [400, 300, 200]\nmaterial = \"stone\"\n\
-             [[supports]]\non = \"block.bottom\"\n[test]\nkind = \"direct-shear\"\n{test}\n[[steps]]\n{step}\n"
+             [[supports]]\non = \"block.bottom\"\n[test]\nkind = \"direct-shear\"\nlength = 400\nthickness = 300\n{test}\n[[probes]]\nname = \"uplift\"\non = \"block\"\ndirection = \"z\"\n[[steps]]\n{step}\n"
         );
         super::run::contradictions(&crate::deck::Deck::from_str(&text, "test.toml").unwrap())
     };
